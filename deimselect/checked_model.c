@@ -16,7 +16,7 @@ typedef struct check_run {
     const check_task *task;
     validation scenes;
     trade_table table; // empty: the model is not checked
-    char *draft;       // path of a temporary file with the model, which is measured
+    char *draft;       // path of a temporary file with the model, whose errors are measured
     artefact *output;
 } check_run;
 
@@ -28,8 +28,8 @@ static void check_run_free(check_run *self) {
     validation_free(&self->scenes);
 }
 
-/* Checks whether an outcome means that there are no scenes to check the model on. The model is then
- * written without a check. */
+/* Checks whether `status` means that there are no scenes on which the model can be checked. In this
+ * case the model is written without a check. */
 static bool is_unchecked(ehd_status status) {
     return status == EHD_DATA || status == EHD_NOINPUT || status == EHD_NOT_CONVERGED;
 }
@@ -48,8 +48,8 @@ static ehd_status create_output(check_run *self, ehd_error *error) {
     return status;
 }
 
-/* Writes the model to a temporary file beside the output. The output itself gets its name only when
- * it is complete. */
+/* Writes the model to a temporary file beside the output, from which validation_measure reads it.
+ * The output itself cannot be read yet, because it gets its name only when it is complete. */
 static ehd_status write_draft(check_run *self, const reduced_model *model,
                               const reduced_basis *basis, const model_origin *origin,
                               ehd_error *error) {

@@ -7,10 +7,11 @@
 #include "romrun/model/model_file.h"
 
 typedef struct check_task {
-    const char *plan_text;     // plan of the training, as its files store it; NULL: none
+    const char *plan_text;     // text of the training plan, as the training's files store it; NULL:
+                               // no plan
     const char *name;          // name of the file with the plan, for messages
     const char *settings;      // settings text of the model
-    const char *const *inputs; // paths, NULL at the end
+    const char *const *inputs; // paths of the input files; ends with NULL
     size_t num_workers;        // number of threads for the full solutions
 } check_task;
 
@@ -23,7 +24,8 @@ typedef struct check_task {
  *   model solves none of these scenes.
  * - The model solves none of the scenes, or none of the trajectories.
  *
- * Other errors: EHD_INTERRUPTED, and those of model_write. In these cases no file is written. */
+ * Other errors: EHD_INTERRUPTED, and the errors of model_write. After these errors no file is
+ * written. */
 enum { CHECK_REPORT = 512 };
 ehd_status checked_model_write(
     // output:

@@ -39,7 +39,7 @@ static ehd_status subtract_predicted(double *remainder, size_t num_residuals, si
                     (int)num_inner);
         for (size_t k = 0; k < num_residuals; k++)
             for (size_t r = 0; r < num_rows; r++)
-                remainder[k * num_inner + rows[r]] = 0; // so that the pivots are other rows
+                remainder[k * num_inner + rows[r]] = 0; // so that no selected row becomes a pivot
     }
     free(fit);
     free(matrix);

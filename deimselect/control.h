@@ -8,11 +8,11 @@
 #include "deimselect/row_choice.h"
 
 /* Selects the control rows: the rows at which the residual is predicted worst from the selected
- * rows. The residuals are those of converged reduced solutions, with unit norm. The prediction fits
- * residual modes at the selected rows. The control rows are the pivots in a QR factorisation of the
- * prediction errors. There are at most as many control rows as converged solutions. If more are
- * wanted, fewer are selected, or EHD_DATA is returned if the number was `given`. Errors: EHD_DATA,
- * EHD_MEMORY, EHD_INTERNAL (LAPACK). */
+ * rows. The residuals of converged reduced solutions are used, scaled to unit norm. The prediction
+ * fits residual modes at the selected rows. The control rows are the pivots in a QR factorisation
+ * of the prediction errors. Their number is at most the number of converged solutions. If
+ * *num_control is larger and was `given` by the user, returns EHD_DATA. If it is larger and was not
+ * given, selects fewer rows. Errors: EHD_DATA, EHD_MEMORY, EHD_INTERNAL (LAPACK). */
 ehd_status control_choose(
     // output:
     size_t *control, // [*num_control] indices of inner nodes, like `rows`
@@ -21,7 +21,7 @@ ehd_status control_choose(
     // input:
     bool given, const residual_snapshots *snapshots, size_t num_inner, const double *modes,
     size_t num_modes,                    // modes of the residuals, [num_modes, num_inner]
-    const size_t *rows, size_t num_rows, // selected, at least num_modes
+    const size_t *rows, size_t num_rows, // the selected rows, at least num_modes
     ehd_error *error);
 
 #endif

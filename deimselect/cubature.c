@@ -12,11 +12,12 @@
 
 // ---- integrands
 
-/* Shear stress as an integrand, up to a factor that is equal at all nodes. The only lubricant
- * property in it is the rise of viscosity of the state. `ratio` is the ratio c of the Newtonian
- * stress at P = 0 and H = 1 to the Eyring or limiting stress of the law. */
+/* A shear stress that is integrated over the contact, up to a factor that is equal at all nodes.
+ * The only lubricant property in the stress is the rise of the viscosity in the training state.
+ * `ratio` is the ratio c of the Newtonian stress at P = 0 and H = 1 to the Eyring or limiting
+ * stress of the law. */
 typedef struct integrand {
-    const lubricant_law *law; // its Eyring stress or limit is set to 1
+    const lubricant_law *law; // law with an Eyring stress or limiting stress of 1
     double ratio;             // c
 } integrand;
 
@@ -28,11 +29,11 @@ static const integrand integrands[] = {
     {&shear_limiting, 1e-1}};
 enum {
     NUM_INTEGRANDS = sizeof integrands / sizeof *integrands,
-    MAX_STATES = 120, // states of the basis in the table (romrun/solve/README.md, Traction)
-    // Largest number of nodes in the table, which then takes 200 MB. All 3600 nodes of a point
-    // contact give errors of 9e-6. Every second node gives errors of 10 % with non-negative
-    // weights, because nodes on ridges of Newtonian stress are missing (romrun/solve/README.md,
-    // Traction).
+    MAX_STATES = 120, // largest number of states in the tables (romrun/solve/README.md, Traction)
+    // Largest number of candidate nodes in the tables, which then take 200 MB. If all 3600 nodes of
+    // a point contact are candidates, the errors are 9e-6. If only every second node is a
+    // candidate, non-negative weights give errors of 10 %, because nodes on ridges of Newtonian
+    // stress are missing (romrun/solve/README.md, Traction).
     MAX_CANDIDATES = 8000
 };
 
@@ -51,8 +52,8 @@ typedef struct cubature_fit {
     ehd_deflection *deflection;
     size_t num_nodes;             // candidate nodes
     size_t *node;                 // [num_nodes]
-    size_t num_rows;              // rows in use, at most MAX_STATES * NUM_INTEGRANDS
-    double *friction, *dry;       // [num_rows, num_nodes]
+    size_t num_rows;              // number of rows in use, at most MAX_STATES * NUM_INTEGRANDS
+    double *friction, *dry;       // [num_rows, num_nodes] tables: whole contact, dry contact
     double *pressure, *film;      // [nodes of the grid] of the current state
     bool *before_exit;            // [nodes of the grid] nodes before the exit of the state
     double *ones;                 // [num_rows]
@@ -62,7 +63,7 @@ typedef struct cubature_fit {
 } cubature_fit;
 
 /* Computes pressure and film of a state at all nodes. Truncated modes give negative pressures far
- * out in the inlet; these are set to zero. */
+ * out in the inlet. These pressures are set to zero. */
 static void expand_state(cubature_fit *self, size_t state) {
     const reduced_basis *basis = self->basis;
     const reduced_states *states = &basis->states;
@@ -83,7 +84,8 @@ static void expand_state(cubature_fit *self, size_t state) {
         self->pressure[k] = fmax(self->pressure[k], 0);
 }
 
-/* Returns the number of states in use. They are evenly spread over the states of the basis. */
+/* Returns the number of training states that the fit uses. These states are evenly spread over all
+ * states of the basis (used_state). */
 static size_t num_used_states(const reduced_basis *basis) {
     return basis->states.num_states < MAX_STATES ? basis->states.num_states : MAX_STATES;
 }
@@ -100,8 +102,8 @@ double cubature_bytes(const reduced_basis *basis) {
     return 8 * (3 * rows * fmin(inner, MAX_CANDIDATES) + 16 * inner);
 }
 
-/* Lists the candidates: inner nodes at which any state has pressure. If there are too many, lists
- * evenly spread ones. */
+/* Lists the candidates: inner nodes at which any state has pressure. If there are more than
+ * MAX_CANDIDATES such nodes, lists evenly spread nodes among them. */
 static ehd_status list_nodes(cubature_fit *self, ehd_error *error) {
     const ehd_grid *grid = &self->basis->grid;
     bool *has_pressure = arena_array(&self->memory, grid->num_nodes, sizeof *has_pressure);
@@ -176,7 +178,8 @@ static void integrate(double *whole, double *dry, const cubature_fit *self, inte
     }
 }
 
-/* Adds the rows of a state. An integrand whose integral is not positive and finite adds no row. */
+/* Adds the rows of a training state to both tables. An integrand whose integral is not positive and
+ * finite adds no row. */
 static void add_state(cubature_fit *self, double rise) {
     for (size_t i = 0; i < NUM_INTEGRANDS; i++) {
         double whole, dry;
@@ -210,8 +213,9 @@ static void add_states(cubature_fit *self) {
 
 // ---- weights
 
-/* Largest accepted relative error of a row of the fit. If the error is larger, the model sums the
- * stresses over the whole grid (romrun/solve/README.md, Traction). */
+/* Largest accepted relative error of a row of the fit. If the error of any row is larger, the model
+ * gets no weights, and romrun sums the stresses over the whole grid (romrun/solve/README.md,
+ * Traction). */
 static const double MOST_OFF = 5e-4;
 
 /* Computes non-negative weights. EHD_NOT_CONVERGED: no weights give errors of at most MOST_OFF in
@@ -239,8 +243,8 @@ static bool any_thinned(const reduced_states *states) {
     return false;
 }
 
-/* Adds the nodes with a weight to the model. If stresses depend on the pressure gradient, also adds
- * their neighbours along X, with weights of zero. */
+/* Adds the nodes whose weight is not zero to the model. If stresses depend on the pressure
+ * gradient, also adds the neighbours of these nodes along X, with weights of zero. */
 static ehd_status add_chosen(reduced_model *model, cubature_fit *self, ehd_error *error) {
     const ehd_grid *grid = &self->basis->grid;
     const bool with_beside = any_thinned(&self->basis->states);

@@ -7,11 +7,12 @@
 
 #include "romrun/model/reduced_model.h"
 
-/* Returns the largest memory of cubature_train, bytes. */
+/* Returns the largest memory that cubature_train uses, bytes. */
 double cubature_bytes(const reduced_basis *basis);
 
-/* Chooses nodes and weights from at most 120 states of the basis, and adds them to a model of this
- * basis. Adds none if no weights are accurate enough. Errors: EHD_MEMORY, EHD_INTERNAL. */
+/* Chooses nodes and weights that integrate the shear stresses of at most 120 training states of the
+ * basis. Adds the nodes and weights to a model of this basis. Adds nothing if no weights are
+ * accurate enough. Errors: EHD_MEMORY, EHD_INTERNAL. */
 ehd_status cubature_train(
     // in and out:
     reduced_model *model,

@@ -13,8 +13,8 @@ void given_rows_free(given_rows *self) {
     *self = (given_rows){0};
 }
 
-/* Converts numbers to row indices. Fails unless each number is the whole number of an inner node
- * and occurs only once. `taken`: [num_inner] work array, all false. */
+/* Converts numbers to row indices. Fails if a number is not the index of an inner node, or occurs
+ * twice. `taken`: [num_inner] work array, all false. */
 static ehd_status convert_rows(given_rows *self, const double *numbers, const char *path,
                                size_t num_inner, bool *taken, ehd_error *error) {
     for (size_t i = 0; i < self->count; i++) {

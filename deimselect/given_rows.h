@@ -11,16 +11,23 @@
 typedef struct given_rows {
     size_t count;
     size_t *rows;    // [count] indices of inner nodes; 0 is the first node of the first inner line
-    double *factors; // [count] factors of the row weights, in addition to D; NULL: the file has
-                     // none
+    double *factors; // [count] factors of the row weights, in addition to D; NULL: the file has no
+                     // weights
 } given_rows;
 
 /* Reads a column or dataset `row` (also: rows, selected_row) and, if present, `weight` (weights,
  * row_factor). The file is HDF5 if its name ends with .h5 or .hdf5, otherwise CSV with a header.
- * Rows are numbered like selected_row in schemas/model.md. EHD_NOINPUT: the file does not exist.
- * EHD_DATA: the column is missing; an entry is not the whole number of an inner node, or is
- * repeated; there are too few rows for the unknowns; or a weight is not positive and finite. Other
- * errors: EHD_IO, EHD_MEMORY. */
+ * Rows are numbered like selected_row in schemas/model.md.
+ *
+ * EHD_NOINPUT: the file does not exist.
+ *
+ * EHD_DATA:
+ * - The column `row` is missing.
+ * - An entry is not the index of an inner node, or occurs twice.
+ * - There are fewer rows than the unknowns need.
+ * - A weight is not positive and finite.
+ *
+ * Other errors: EHD_IO, EHD_MEMORY. */
 ehd_status given_rows_read(
     // output:
     given_rows *self, // free with given_rows_free

@@ -10,8 +10,9 @@
  *     phi_f, phi_J                    residual
  *     I, i                            rows, row
  *
- * The system for a is square and grows by one row and one column in each step. Givens rotations
- * update its QR factors in O(size^2). A new factorisation would take O(size^3).
+ * The system of equations for the coefficients a is square and grows by one row and one column in
+ * each step. Givens rotations update the QR factors of this system in O(size^2) operations. A new
+ * factorisation would take O(size^3).
  * Called by row_choice.c for --method joint, and by exits.c. */
 #include "deimselect/selection.h"
 
@@ -58,7 +59,7 @@ static bool interpolation_init(interpolation *self, const double *modes, size_t 
 }
 
 /* Solves R a = Q^T b by back substitution. If a diagonal entry is zero to working precision, the
- * solution is not unique. Its coefficient is then set to zero, which gives one of the
+ * solution is not unique. The coefficient of this entry is then set to zero, which gives one of the
  * minimisers. */
 static void solve_at_selected_rows(interpolation *self, const size_t *rows) {
     const size_t size = self->size, capacity = self->capacity;
@@ -90,7 +91,8 @@ static void update_residual(interpolation *self) {
                 self->modes, (int)self->num_nodes, self->coefficients, 1, 1.0, self->residual, 1);
 }
 
-/* Extends the factors Q R by the mode just interpolated, as a column, and by `row`, as a row. */
+/* Extends the factors Q R by one column, the mode that was interpolated last, and by one row, the
+ * entries of the modes at `row`. */
 static void append_row(interpolation *self, size_t row) {
     const size_t size = self->size, capacity = self->capacity;
     double *last_r = self->r + size * capacity, *last_q = self->q_transposed + size * capacity;
@@ -112,8 +114,8 @@ static void append_row(interpolation *self, size_t row) {
     self->size++;
 }
 
-/* Returns the unselected row with the largest phi_f^2 + phi_J^2. Of equal rows, returns the
- * first. */
+/* Returns the unselected row with the largest phi_f^2 + phi_J^2. If several rows have this value,
+ * returns the first of these rows. */
 static size_t worst_row(const interpolation both[2], const bool *selected) {
     size_t row = 0;
     double largest = -1.0;

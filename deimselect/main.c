@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* deimselect: selects the rows of the online model and writes it (README.md). It reads options and
- * files, plans the memory, selects, and checks the model.
+ * files, plans the memory, selects rows, and checks the model.
  * Called from the command line, and by the pipelines in scenes. */
 #include "common/artefact/artefact.h"
 #include "common/output/check.h"
@@ -51,7 +51,7 @@ static ehd_status read_weights(void *member, const char *argument, ehd_error *er
 // clang-format off
 #define OWN_OPTIONS select_options
 
-// columns: name, letter, argument, help, how it is read
+// columns: name, letter, argument, help, destination and type of the value
 static const program_option own_options[] = {
     {"basis", 0, "BASIS.h5", "The basis of the residuals", OPTION_TEXT(basis)},
     {"rows", 0, "N", "Number of rows; default 2 a mode, or what the snapshots tell apart",
@@ -107,9 +107,10 @@ static ehd_status check_fit(artefact *file, const reduced_basis *basis, const ch
 }
 
 typedef struct residual_input {
-    residual_reader reader; // its file is closed if all snapshots are in memory
+    residual_reader reader; // the reader's file is closed if all snapshots are in memory
     residual_snapshots snapshots;
-    char *plan_text; // settings text of the file; NULL: none
+    char *plan_text; // text of the training plan (`settings` of the file); NULL: the file has no
+                     // plan
 } residual_input;
 
 static void residual_input_close(residual_input *input) {
@@ -140,8 +141,8 @@ static ehd_status open_residuals(residual_input *input, const char *path,
     return status;
 }
 
-/* Plans the memory before the snapshots are read, prints the plan, and checks that this much memory
- * is free. */
+/* Plans the memory before the snapshots are read, and prints the plan. If the snapshots do not fit
+ * at once, also checks that the planned memory is free. */
 static ehd_status plan_memory(row_plan *way, const residual_input *input, const program *self,
                               const reduced_basis *basis, const select_options *options,
                               ehd_error *error) {
@@ -274,7 +275,7 @@ static ehd_status run(const program *self, select_options *options, ehd_error *e
         status = row_choice_make(&choice, &input.snapshots, &basis, &options->rows, &cause);
         if (status) ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text);
     }
-    residual_input_close(&input); // the full solutions of the check need the memory
+    residual_input_close(&input); // frees memory for the full solutions of the check
     if (!status)
         status = write_model(self, options, &basis, &choice, identity, input.plan_text, error);
     free(input.plan_text);

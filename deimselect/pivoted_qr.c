@@ -9,7 +9,8 @@
 #include <lapacke.h>
 #include <stdlib.h>
 
-/* Copies both bases side by side: column `node` of the result is row `node` of both. */
+/* Copies both bases side by side: column `node` of the result contains the entries of all modes of
+ * both bases at this node. */
 static void put_side_by_side(double *both, const selection_bases *bases) {
     const size_t num_modes = bases->num_modes[0] + bases->num_modes[1];
     for (size_t basis = 0; basis < 2; basis++) {
@@ -37,7 +38,7 @@ ehd_status selection_pivoted_qr(size_t *rows, const selection_bases *bases, size
 
     both = malloc(num_modes * num_nodes * sizeof *both);
     scales = malloc(max_rows * sizeof *scales);
-    pivots = calloc(num_nodes, sizeof *pivots); // zero: the column may be moved
+    pivots = calloc(num_nodes, sizeof *pivots); // 0: LAPACK may move the column
     if (!both || !scales || !pivots) {
         status = ehd_no_memory(error, "row selection");
         goto done;

@@ -12,9 +12,9 @@ const char *const residual_names[] = {"residuals", "Jacobian products"};
 
 static const char *const field_names[] = {"weighted_residual", "weighted_jacobian_step"};
 
-/* Fractions of the energy that streams may omit. local_energy is the energy that compressed
- * trajectories omit. dropped_energy is for directions that are dropped when the memory is full.
- * Modes below these limits would select rows by round-off. */
+/* Fractions of the energy that streams of residuals or Jacobian products may omit. local_energy is
+ * as for compressed trajectories (snapgen/trajectory.c). dropped_energy is for directions that are
+ * dropped when the memory is full. Modes below these limits would select rows by round-off. */
 static const pod_stream_settings of_sets = {.local_energy = 1e-22, .dropped_energy = 1e-16};
 
 /* Fractions of the energy that streams of residuals of unit norm may omit. Only the largest entries
@@ -74,8 +74,8 @@ void residual_snapshots_free(residual_snapshots *snapshots) {
     *snapshots = (residual_snapshots){0};
 }
 
-/* Checks whether an iteration is the last one of a stationary state. The residual of such an
- * iteration is that of the converged reduced solution. */
+/* Checks whether an iteration is the last one of a stationary state. The residual in this iteration
+ * is the residual of the converged reduced solution. */
 static bool is_last(const residual_snapshots *snapshots, size_t i) {
     return snapshots->state[i] >= 0 &&
            (i + 1 == snapshots->count || snapshots->state[i + 1] != snapshots->state[i]);
@@ -97,7 +97,8 @@ static void make_unit(double *residual, size_t num_inner) {
 
 // ---- streams
 
-/* Streams a set. With `units` streams only the converged residuals, scaled to unit norm. */
+/* Passes all snapshots of one kind to a stream. If `units` is true, passes only the converged
+ * residuals, scaled to unit norm. */
 static ehd_status stream_all(pod_stream *stream, const residual_snapshots *snapshots,
                              residual_kind kind, bool units, size_t num_inner, double *field,
                              ehd_error *error) {
@@ -153,8 +154,8 @@ ehd_status residual_snapshots_pod(pod_basis *pod, const residual_snapshots *snap
 
 // ---- converged residuals
 
-/* Returns the rows of S V', where X = U S V' are the converged residuals of unit norm. These rows
- * have the same Gram matrix as X. */
+/* Returns the matrix S V', where X = U S V' is the SVD of the matrix X whose rows are the converged
+ * residuals of unit norm. The columns of S V' have the same Gram matrix as the columns of X. */
 static ehd_status stream_units(double **rows, size_t *num_rows, const residual_snapshots *snapshots,
                                size_t num_inner, ehd_error *error) {
     pod_basis pod = {0};

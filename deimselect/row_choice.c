@@ -20,8 +20,8 @@ void row_choice_free(row_choice *choice) {
 }
 
 /* Returns the number of modes of each basis for a method that selects rows_per_mode rows for each
- * mode (0: any number). There are at least as many modes as unknowns if rows_per_mode is above
- * 1. */
+ * mode (0: any number). If rows_per_mode is above 1, the result is at least the number of
+ * unknowns. */
 static size_t wanted_modes(size_t rows_per_mode, size_t num_rows, size_t num_unknowns) {
     const size_t rows_a_mode = rows_per_mode > 0 ? rows_per_mode : 1;
     size_t modes = (num_rows + rows_a_mode - 1) / rows_a_mode;
@@ -29,7 +29,8 @@ static size_t wanted_modes(size_t rows_per_mode, size_t num_rows, size_t num_unk
     return rows_a_mode > 1 && modes < num_unknowns ? num_unknowns : modes;
 }
 
-/* Returns the number of rows of the first attempt. */
+/* Returns the number of rows of the first selection. With a wanted stability, larger selections may
+ * follow. */
 static size_t first_rows(const reduced_basis *basis, const row_settings *settings) {
     const size_t num_inner = basis->grid.num_inner;
     const size_t two_a_mode =
@@ -197,7 +198,7 @@ size_t *row_choice_exits(size_t *num_exits, const reduced_basis *basis) {
     return exits;
 }
 
-/* Collects the input of a selection method: the PODs, and the `exits` from row_choice_exits. */
+/* Collects the input of a selection method. `exits`: result of row_choice_exits. */
 static selection_bases make_bases(const pod_basis pods[2], const reduced_basis *basis,
                                   const size_t *exits, size_t num_exits) {
     const selection_bases bases = {
@@ -221,8 +222,9 @@ static ehd_status allocate_rows(row_choice *choice, size_t num_rows, ehd_error *
 }
 
 /* Computes the PODs and copies the given rows. The PODs have as many modes as pivoted QR uses for
- * this number of rows, and at least as many as the weights need, one for each unknown. If
- * --rows-from gives rows from pivoted QR again, the model is therefore bit-identical. */
+ * this number of rows, and at least as many as the weights need, one for each unknown. If the rows
+ * of --rows-from were selected by pivoted QR, the model is therefore bit-identical to the model of
+ * --method qr. */
 static ehd_status use_given_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
                                  const residual_snapshots *snapshots, const reduced_basis *basis,
                                  const given_rows *given, ehd_error *error) {
@@ -269,8 +271,8 @@ static ehd_status refuse_stability(const row_choice *choice, const selection_bas
                           reached, choice->num_rows, settings->method->name, settings->stability);
 }
 
-/* Doubles the number of rows until they reach the wanted stability. Keeps the fewest leading rows
- * that reach it. */
+/* Doubles the number of rows until the rows reach the wanted stability. Keeps the smallest number
+ * of leading rows that reaches the stability. */
 static ehd_status select_stable_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
                                      const residual_snapshots *snapshots,
                                      const reduced_basis *basis, const row_settings *settings,

@@ -11,7 +11,9 @@
 #include "romrun/model/reduced_model.h"
 #include "romrun/model/weighting.h"
 
-#define CONTROL_BY_ITSELF ((size_t)-1) // control rows: a tenth of the rows, at least 8
+// num_control = CONTROL_BY_ITSELF selects the default number of control rows: a tenth of num_rows,
+// at least 8
+#define CONTROL_BY_ITSELF ((size_t)-1)
 
 typedef struct row_choice {
     size_t num_rows;
@@ -19,46 +21,50 @@ typedef struct row_choice {
     size_t num_control;
     size_t *control;           // [num_control] grid nodes in order of choice
     double *factors;           // [num_rows] factors of the row weights, in addition to D
-    size_t num_jacobian_modes; // number of unknowns, or of POD modes if smaller; 0 with given
-                               // factors
+    size_t num_jacobian_modes; // number of unknowns or number of POD modes, whichever is smaller; 0
+                               // if the factors are given
     double *jacobian_modes;    // [num_rows, num_jacobian_modes] modes of the Jacobian products at
                                // the rows
     double sigma_min_residual, sigma_min_jacobian; // smallest singular values of the bases sampled
                                                    // at the rows
     double sigma_min_over_exits;
     double stability;          // 1/sigma_min relative to all rows, at the worst exit (stability.h)
-    double *sigma_min_by_exit; // [num_states]
+    double *sigma_min_by_exit; // [num_states] for the rows before the exit of each training state
 } row_choice;
 
 typedef struct row_settings {
     const given_rows *given;        // NULL: the method selects the rows
-    const selection_method *method; // used only without given rows, as are num_rows and stability
-    const weighting *weights;       // used only without given factors
-    size_t num_rows;  // 0: two for each pressure mode, or fewer if the snapshots do not support so
-                      // many
-    double stability; // largest allowed stability, reached with the fewest rows; 0: num_rows sets
-                      // the number
-    size_t num_control; // CONTROL_BY_ITSELF: default, or fewer if the snapshots do not support so
-                        // many
+    const selection_method *method; // if rows are given, `method`, `num_rows` and `stability` are
+                                    // not used
+    const weighting *weights;       // not used if factors are given
+    size_t num_rows;    // number of rows to select; 0: two rows for each pressure mode, or fewer if
+                        // the snapshots do not support so many
+    double stability;   // largest allowed stability, reached with the fewest rows; 0: num_rows is
+                        // the number of rows
+    size_t num_control; // number of control rows; CONTROL_BY_ITSELF: the default number, or fewer
+                        // if the snapshots do not support so many
 } row_settings;
 
 void row_choice_free(row_choice *choice);
 
-/* Returns the largest number of modes of either set from which rows are selected. With --stability
- * the number may grow later. */
+/* Returns the largest number of modes of either POD (residuals, products) from which rows are
+ * selected. With --stability the number may grow later. */
 size_t row_choice_num_modes(const reduced_basis *basis, const row_settings *settings);
 
-/* Returns the exits of training, each once and in ascending order: [num_exits, inner lines of the
- * grid] numbers of rows before the exit on each line. Returns NULL without memory. */
+/* Returns the exits of the training states in ascending order, equal exits only once. The result is
+ * [num_exits, inner lines of the grid]. Each entry is the number of rows before the exit on the
+ * line. Returns NULL if there is no memory. */
 size_t *row_choice_exits(size_t *num_exits, const reduced_basis *basis); // free()
 
-/* Selects rows: computes the PODs of both snapshot sets, selects rows by the method or copies the
- * given ones, and computes their weights and the control rows. Measures the smallest singular
- * values of the bases sampled at the rows: with all rows, and for each training state with the rows
- * before its exit, because rows behind the exit have no effect. The measurement uses as many
- * leading modes as the basis has pressure modes. EHD_DATA: fewer rows than pressure modes, more
- * rows or control rows than the snapshots support, or a stability that the method does not reach.
- * Other errors: EHD_MEMORY, EHD_INTERNAL. */
+/* Computes the PODs of the residuals and of the products. Selects rows by the method or copies the
+ * given rows, computes the weights of the rows, and selects control rows.
+ *
+ * Also measures the smallest singular values of the bases sampled at the rows: for all selected
+ * rows, and for each training state for the rows before the exit of this state. Rows behind the
+ * exit have no effect. The measurement uses as many leading modes as the basis has pressure modes.
+ *
+ * EHD_DATA: there are fewer rows than pressure modes, more rows or control rows than the snapshots
+ * support, or the method does not reach the stability. Other errors: EHD_MEMORY, EHD_INTERNAL. */
 ehd_status row_choice_make(
     // output:
     row_choice *choice, // free with row_choice_free
@@ -66,7 +72,8 @@ ehd_status row_choice_make(
     const residual_snapshots *snapshots, const reduced_basis *basis, const row_settings *settings,
     ehd_error *error);
 
-/* Builds the model of the rows, with weights and control rows. Errors: EHD_DATA, EHD_MEMORY. */
+/* Builds the model with the chosen rows, their weights and the control rows. Errors: EHD_DATA,
+ * EHD_MEMORY. */
 ehd_status row_choice_model(
     // output:
     reduced_model *model, // free with reduced_model_free

@@ -7,12 +7,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Numbers and bytes from which the memory follows. */
+/* Numbers and sizes from which the memory of a plan is computed. */
 typedef struct row_sizes {
-    double nodes, rows_in_all; // nodes and inner nodes of the grid
+    double nodes, rows_in_all; // number of nodes and of inner nodes of the grid
     double snapshots, converged;
-    double num_modes;     // wanted modes of either set; infinite: as many as there are
-    double copies;        // copies of a basis that the method makes
+    double num_modes;     // wanted number of modes of each POD; INFINITY: as many modes as possible
+    double copies;        // number of copies of a basis that the method makes
     double basis, states; // bytes of the basis and of its states
     double exits;         // bytes of the arrays for the exits of training
     double cubature;      // bytes
@@ -63,14 +63,14 @@ static ehd_status measure(row_sizes *sizes, const residual_snapshots *snapshots,
 
 /* Returns the memory of small matrices: systems of the joint greedy method that grow with the rows,
  * the modes at the rows, and their decompositions. Two rows for each mode are assumed. If a method
- * selects more, these matrices still take little memory compared with fields. */
+ * selects more rows, these matrices still take little memory compared with fields. */
 static double small_bytes(double modes) {
     return 8 * 16 * modes * modes;
 }
 
-/* Returns the memory while rows are selected with both sets of modes, or while control rows are
- * selected with the modes of the residuals, whichever is larger. `control`: bytes of the rows that
- * control rows are selected from. */
+/* Returns the larger one of two numbers, bytes: the memory of the row selection with the modes of
+ * residuals and products, and the memory of the selection of control rows with the modes of the
+ * residuals. `control`: bytes of the residuals from which control rows are selected. */
 static double bytes_of_modes(const row_sizes *sizes, double modes, double control) {
     const double a_field = 8 * sizes->rows_in_all;
 
@@ -101,9 +101,9 @@ static double bytes_at_once(const row_sizes *sizes) {
            fmax(2 * sizes->snapshots * a_field + fmax(pod, select), bytes_of_model(sizes));
 }
 
-/* Returns the largest memory of a streamed selection, bytes (a pod_work_bytes). Compares three
- * stages: the second POD beside the modes of the first, the selection of rows, and the selection
- * of control rows. */
+/* Returns the largest memory of a streamed selection, bytes; the function is a pod_work_bytes.
+ * Compares three stages: the second POD while the modes of the first POD are in memory, the
+ * selection of rows, and the selection of control rows. */
 static double bytes_of_stream(const void *work, size_t block, size_t max_rank) {
     const row_sizes *sizes = work;
     const double a_field = 8 * sizes->rows_in_all;

@@ -11,13 +11,13 @@
 typedef struct row_plan {
     bool direct;  // all snapshots fit in memory and are read at once
     double limit; // memory limit, bytes
-    double bytes; // upper bound of the memory of this plan, bytes, without the tables of the model
-                  // and its check
-    size_t block, max_rank; // sizes of the streams (pod_stream.h) if not direct
+    double bytes; // upper bound of the memory of this plan, bytes; the tables of the model and the
+                  // check of the model are not included
+    size_t block, max_rank; // settings of the streams (pod_stream.h); not set if `direct`
 } row_plan;
 
 /* Makes the plan before the snapshots are read. The number of snapshots and their states must be
- * known. EHD_MEMORY: the limit is too small, or there is no memory. */
+ * known. EHD_MEMORY: the limit is too small, or an allocation failed. */
 ehd_status row_plan_make(
     // output:
     row_plan *plan,

@@ -97,9 +97,9 @@ static ehd_status start_gain(sampled_basis *self, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Computes along = modes^T product, and growth, for all nodes. One pass through the modes computes
- * both, in blocks of nodes. The modes do not fit into the cache, and most of the time is spent on
- * reading them. */
+/* Computes along = modes^T product, and growth, for all nodes. The modes do not fit into the cache,
+ * and most of the time is spent on reading the modes. One loop over blocks of nodes therefore
+ * computes both. */
 static void scan_modes(sampled_basis *self) {
     for (size_t first = 0; first < self->num_nodes; first += BLOCK) {
         const size_t left = self->num_nodes - first, count = left < BLOCK ? left : BLOCK;
@@ -162,7 +162,8 @@ static void add_objective(double *objective, const sampled_basis *self) {
             log((1 + fmax(self->gain[i], 0)) / self->growth[i]) / (double)(2 * self->num_modes);
 }
 
-/* Returns the unselected node with the largest objective. Of equal nodes, returns the first. */
+/* Returns the unselected node with the largest objective. If several nodes have this objective,
+ * returns the first of these nodes. */
 static size_t best_row(const double *objective, const bool *selected, size_t num_nodes) {
     size_t row = num_nodes;
 
@@ -171,9 +172,9 @@ static size_t best_row(const double *objective, const bool *selected, size_t num
     return row;
 }
 
-/* Returns the bases for the start. Each has half as many modes as the smaller one of the full
- * bases. Pivoted QR selects as many rows as each start basis has modes. With fewer rows the columns
- * are nearly dependent, and S means little. */
+/* Returns the two bases from which pivoted QR selects the first rows. Each has half as many modes
+ * as the smaller one of the full bases. Pivoted QR selects as many rows as one of them has modes.
+ * With fewer rows the sampled columns are nearly dependent, and S is not a useful measure. */
 static selection_bases start_bases(const selection_bases *bases) {
     const int poorer = bases->num_modes[1] < bases->num_modes[0];
     selection_bases start = *bases;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Selects the rows of the Reynolds equation that the online model evaluates, by a method of a
+/* Selects the rows of the Reynolds equation that the online model evaluates, with a method from a
  * table (README.md, Methods).
  * Called by row_choice.c, and by exits.c and stability.c for the leading modes. */
 #ifndef EHD_SELECTION_H
@@ -17,16 +17,18 @@ typedef struct selection_bases {
     const double *modes[2];           // [num_modes, num_nodes] row-major, orthonormal
     const double *singular_values[2]; // [num_modes]
     // modes that the rows have to determine at every exit:
-    size_t num_leading;  // number of leading modes of each basis; 0: all
-    size_t num_lines;    // grid lines of equal length, in the order of the nodes; 0: one
-    size_t num_exits;    // exits of training, each once; neighbours in the list are similar
+    size_t num_leading;  // number of leading modes of each basis; 0: all modes
+    size_t num_lines;    // number of grid lines; all have the same length, and nodes are numbered
+                         // line by line; 0: one line
+    size_t num_exits;    // number of exits of training, equal exits counted once; neighbours in the
+                         // list are similar
     const size_t *exits; // [num_exits, num_lines] number of nodes of each line before the exit;
-                         // nodes behind it have no effect
+                         // nodes behind the exit have no effect
 } selection_bases;
 
-/* Selects num_rows distinct rows, in an order in which the first k rows, for any smaller k, are a
- * selection as well. Errors: EHD_DATA (the method cannot select so many rows), EHD_MEMORY,
- * EHD_INTERNAL (LAPACK). */
+/* Selects num_rows distinct rows. For any k < num_rows, the first k of these rows are a selection
+ * of k rows. Errors: EHD_DATA (the method cannot select so many rows), EHD_MEMORY, EHD_INTERNAL
+ * (LAPACK). */
 typedef ehd_status selection_function(
     // output:
     size_t *rows, // [num_rows]
@@ -36,10 +38,11 @@ typedef ehd_status selection_function(
 typedef struct selection_method {
     const char *name; // "joint"
     selection_function *select;
-    size_t rows_per_mode; // largest number of rows for each mode of either basis; 0: any number of
-                          // rows
-    size_t copies;        // copies of a basis that the method makes
-    bool keeps_exits;     // holds arrays for all exits of training at once (stability.h)
+    size_t rows_per_mode; // number of rows that the method can select for each mode of a basis; 0:
+                          // any number of rows
+    size_t copies;        // number of copies of a basis that the method makes
+    bool keeps_exits;     // true: the method holds arrays for all exits of training at once
+                          // (stability.h)
     const char *help;
 } selection_method;
 
@@ -64,8 +67,8 @@ selection_bases selection_leading(const selection_bases *bases);
 const selection_method *selection_find(const char *name);
 
 /* Computes the smallest singular value sigma_min of modes[:num_columns] sampled at the rows. Gappy
- * least squares amplifies errors outside of the basis by at most 1/sigma_min. The result is zero if
- * there are fewer rows than columns. */
+ * least squares amplifies errors outside of the basis by at most 1/sigma_min. If there are fewer
+ * rows than columns, the result is zero. */
 ehd_status selection_sigma_min(
     // output:
     double *sigma_min,

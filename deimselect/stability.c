@@ -12,33 +12,34 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A basis over the rows before an exit. */
+/* The modes of a basis at the nodes before an exit. */
 typedef struct exit_block {
     const double *modes; // [num_modes, num_nodes]
     size_t num_modes;
-    const size_t *num_before; // [num_lines] nodes of each line before the exit
+    const size_t *num_before; // [num_lines] number of nodes of each line before the exit
     size_t num_resolved;      // number of directions of the modes that do not vanish over these
                               // nodes
     double *resolved;  // [num_modes, num_resolved] column-major: modes^T resolved is orthonormal
                        // over these nodes
     double *gram;      // [num_resolved, num_resolved] Gram matrix of the selected rows in these
                        // directions
-    double smallest;   // smallest eigenvalue of gram; a lower bound if rows were added since
+    double smallest;   // smallest eigenvalue of gram; if rows were added after its computation, a
+                       // lower bound
     double *direction; // [num_resolved] eigenvector of `smallest`
-    bool is_known;     // smallest and direction belong to the present gram
+    bool is_known;     // true: `smallest` and `direction` belong to the present `gram`
 } exit_block;
 
 struct row_stability {
-    size_t num_nodes, num_lines, width; // width: nodes of a line
-    size_t *none, *all;                 // [num_lines] 0 and `width`: exits before and behind all
-                                        // nodes
-    size_t num_blocks;                  // two for each exit, and two for all nodes
+    size_t num_nodes, num_lines, width; // width: number of nodes of a line
+    size_t *none, *all;                 // [num_lines] 0 and `width` on each line: exits before and
+                                        // behind all nodes
+    size_t num_blocks;                  // for each exit and for all nodes, one for each basis
     exit_block *blocks;                 // [num_blocks]
     bool *selected;                     // [num_nodes]
     // work arrays
     double *running_gram[2]; // [num_modes, num_modes] Gram matrices over the nodes before the exit
-                             // filled last
-    double *row, *along;     // [num_modes] of the larger basis
+                             // that was filled last
+    double *row, *along;     // [num_modes of the larger basis]
     double *matrix, *values; // [num_modes, num_modes], [num_modes]
     arena memory;
 };
@@ -68,8 +69,8 @@ static void move_gram(double *gram, const row_stability *self, const double *mod
 }
 
 /* Computes resolved = U / sqrt(lambda) from the Gram matrix U lambda U^T of the modes over the
- * nodes before the exit. `running_gram` is this matrix, on entry over the nodes before `from`, on
- * return over the nodes before the exit. */
+ * nodes before the exit. `running_gram`: Gram matrix of the modes; on entry over the nodes before
+ * exit `from`, on return over the nodes before the exit of the block. */
 static ehd_status block_fill(exit_block *block, row_stability *self, double *running_gram,
                              const size_t *from, const double *modes, const size_t *num_before,
                              ehd_error *error) {
@@ -99,8 +100,8 @@ static ehd_status block_fill(exit_block *block, row_stability *self, double *run
     return EHD_OK;
 }
 
-/* Returns the numbers of nodes before an exit. One more exit, after the last one of training, lies
- * behind all nodes. */
+/* Returns the number of nodes before an exit on each line. One more exit, which follows the exits
+ * of training in the list, lies behind all nodes. */
 static const size_t *nodes_before(const row_stability *self, const selection_bases *bases,
                                   size_t exit) {
     return exit < bases->num_exits ? bases->exits + exit * self->num_lines : self->all;
@@ -111,7 +112,7 @@ static const size_t *moved_from(const row_stability *self, const selection_bases
     return exit > 0 ? nodes_before(self, bases, exit - 1) : self->none;
 }
 
-/* Allocates memory for num_exits exits, two blocks each. */
+/* Allocates memory for num_exits exits, each with one block for each basis. */
 static row_stability *allocate(const selection_bases *leading, size_t num_exits) {
     const size_t *num_modes = leading->num_modes;
     const size_t larger = num_modes[num_modes[1] > num_modes[0]];
@@ -145,7 +146,8 @@ static row_stability *allocate(const selection_bases *leading, size_t num_exits)
     return memory->failed ? row_stability_free(self) : self;
 }
 
-/* Fills both blocks of an exit. The blocks of the previous exit must have been filled last. */
+/* Fills both blocks of an exit. Exits must be filled in the order of the list, because each exit
+ * updates the Gram matrices of the previous exit. */
 static ehd_status fill_exit(exit_block blocks[2], row_stability *self, const selection_bases *bases,
                             size_t exit, ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -215,8 +217,8 @@ static ehd_status examine(exit_block *block, row_stability *self, ehd_error *err
     return status;
 }
 
-/* Returns the row not yet selected at which the worst direction is largest in magnitude. Behind the
- * exit the direction is taken as 0. */
+/* Returns the unselected row at which the eigenvector `direction` of the block, expanded in the
+ * modes, is largest in magnitude. Rows behind the exit count as 0. */
 static size_t strongest_row(const exit_block *block, row_stability *self) {
     size_t row = self->num_nodes;
     double largest = -1;
@@ -236,8 +238,8 @@ static size_t strongest_row(const exit_block *block, row_stability *self) {
     return row;
 }
 
-/* Finds the block with the smallest eigenvalue. Additional rows only increase eigenvalues, so old
- * eigenvalues are lower bounds, and few have to be computed again. */
+/* Finds the block with the smallest eigenvalue. Additional rows never decrease eigenvalues, so old
+ * eigenvalues are lower bounds. Few eigenvalues therefore have to be computed again. */
 static ehd_status worst_block(exit_block **worst, row_stability *self, ehd_error *error) {
     ehd_status status = EHD_OK;
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Starts for Newton: the dry contact, and continuation from an easier contact to a harder one. */
+/* Computes initial states for Newton's iteration: from the dry contact, and by continuation from an
+ * easier contact to a harder one. */
 #include "fullrun/continuation.h"
 
 #include "common/physics/traction.h"
@@ -8,18 +9,18 @@
 #include <math.h>
 #include <string.h>
 
-/* Central film of the start, divided by the film of the film formula. Newton's iteration corrects
- * too thick a film in a few steps. It drives too thin a film to zero at the edges of the contact.
- * With ratios of 1.5, 2, 4 and 10 all of 24 cold starts at the corners of M and L converge, in 760,
- * 731, 765 and 820 steps. With a ratio of 1 eight of them fail (test_continuation.c,
- * extremes_converge). */
+/* Central film of the start, divided by the film of the film formula. If the film is too thick,
+ * Newton's iteration corrects it in a few steps. If the film is too thin, the iteration drives it
+ * to zero at the edges of the contact. 24 cold starts with extreme M and L were measured. With
+ * ratios of 1.5, 2, 4 and 10 all of them converge, in 760, 731, 765 and 820 steps. With a ratio of
+ * 1 eight cold starts fail (test_continuation.c, extremes_converge). */
 static const double START_FILM = 2;
 
 /* Smallest stride of a continuation, as a fraction of the whole way. Of 89 cold starts by
  * continuation (M 0.5 to 1000, L 0 to 50, line and point contacts of three laws) 43 converge, with
  * strides of 1/8 or more. In the other starts the film falls to zero on their grid. The solver
- * gives such a start up after a number of solutions that grows with the logarithm of this stride
- * (test_continuation.c, far_start_is_given_up_early). */
+ * gives up such a start. The number of solutions before that grows with the logarithm of this
+ * stride (test_continuation.c, far_start_is_given_up_early). */
 static const double MIN_STRIDE = 1. / 256;
 
 /* Ends the pressurised zone of the dry contact at a node. On a point contact only this
@@ -72,8 +73,8 @@ static void add_effort(full_info *total, const full_info *part) {
     total->seconds_linear = linear;
 }
 
-/* Returns a contact between start (s = 0) and goal (s = 1). Interpolates L and p_H linearly, and
- * the logarithms of M and of Eyring's stress of a thinned flow. */
+/* Returns a contact between start (s = 0) and goal (s = 1). Interpolates linearly in s: L, p_H, ln
+ * M, and the logarithm of the Eyring stress of a thinned flow. */
 static ehd_contact contact_between(const ehd_contact *start, const ehd_contact *goal, double s) {
     ehd_contact between = *goal;
 
@@ -91,9 +92,9 @@ static ehd_contact contact_between(const ehd_contact *start, const ehd_contact *
     return between;
 }
 
-/* Solves contacts between a solved contact and the goal. The stride in s halves on
- * failure and doubles on success. `state` is the solution at the start, and becomes the
- * last solution reached. */
+/* Solves contacts between a solved contact and the goal. The stride in s halves on failure and
+ * doubles on success. `state` is the solution of the contact `start`, and becomes the last solution
+ * that was found. */
 static ehd_status continue_to(full_info *info, full_state *state, full_solver *solver,
                               const ehd_contact *start, const ehd_contact *goal, ehd_error *error) {
     double done = 0, stride = 1;
@@ -133,7 +134,7 @@ static ehd_contact easy_contact(const ehd_contact *goal) {
 }
 
 /* Solves a contact by Newton from the dry contact, with the exit at a node. If this fails,
- * continues in M at small L, then in L. */
+ * continuation from an easy contact changes first M at small L, then L. */
 static ehd_status solve_from_dry(full_info *info, full_state *state, full_solver *solver,
                                  const ehd_contact *contact, ehd_error *error) {
     full_info part;
@@ -171,7 +172,7 @@ static ehd_status solve_by_thinning(full_info *info, full_state *state, full_sol
 }
 
 ehd_grid full_coarser_grid(const ehd_grid *grid) {
-    size_t sides = grid->inner_lines / 2; // of a whole grid: lines on each side of y = 0
+    size_t sides = grid->inner_lines / 2; // for a whole grid: number of lines on each side of y = 0
 
     return grid_like(grid, grid->x_min, 2 * grid->step, (grid->inner_x + 1) / 2,
                      grid->half ? grid->inner_lines / 2 + 1 : 2 * ((sides + 1) / 2) + 1);
@@ -191,12 +192,13 @@ static double interpolated(const double *values, const ehd_grid *coarse, const e
            4;
 }
 
-/* Interpolates pressure and its zone from a coarser grid. Column k of that grid is column 2k - 1
- * here. */
+/* Interpolates the pressure from a coarser grid, and sets the pressurised zone. Column k of the
+ * coarser grid is column 2k - 1 of the finer grid. */
 static void refine(full_state *state, const ehd_grid *grid, const full_state *from,
                    const ehd_grid *coarse) {
     size_t exit = 2 * from->exit - 1, last = grid->num_nodes - 1;
-    double offset = 2 * from->exit_offset; // counted from the node that both grids have
+    double offset = 2 * from->exit_offset; // in steps of the finer grid, from a node that both
+                                           // grids have
 
     memset(state->pressure, 0, grid->num_nodes * sizeof(double));
     for (size_t r = 0; r < grid->num_inner; r++) {
@@ -209,9 +211,9 @@ static void refine(full_state *state, const ehd_grid *grid, const full_state *fr
     state->rigid_approach = from->rigid_approach;
 }
 
-/* Solves on a grid of twice the step and interpolates pressure and exit. The number of Newton
- * iterations on the finest grid then does not grow with the number of nodes. *started: whether the
- * coarse grid has converged. */
+/* Solves the contact on a grid with twice the step, and interpolates pressure and exit to the finer
+ * grid. With this start the number of Newton iterations on the finest grid does not grow with the
+ * number of nodes. *started: whether the solution on the coarse grid has converged. */
 static ehd_status start_coarse(bool *started, full_state *state, full_solver *solver,
                                const ehd_contact *contact, ehd_error *error) {
     full_settings settings = *full_solver_settings(solver);
@@ -222,8 +224,8 @@ static ehd_status start_coarse(bool *started, full_state *state, full_solver *so
 
     *started = false;
     coarse.grid = full_coarser_grid(&contact->grid);
-    // the discretisation error of the coarse grid is larger, and a tighter tolerance would not
-    // reduce it
+    // the discretisation error of the coarse grid is larger than this tolerance, so a tighter
+    // tolerance would not help
     settings.tolerance = contact->kind->dimensions > 1 ? 1e-3 : 1e-6;
     settings.as_large |= full_is_large(&contact->grid);
     ehd_status status =

@@ -28,8 +28,8 @@ static void print_head(const film_formula *formula) {
     printf("formula %-20s %-8s", formula->name, formula->of_minimum ? "minimum" : "central");
 }
 
-/* Prints the range of b/a for which a formula was made, if it is known, and whether this contact is
- * outside of this range. */
+/* Prints the range of b/a for which a formula was made, if this range is known. Also prints whether
+ * the contact lies outside of the range. */
 static void print_range(const film_formula *formula, double ellipticity) {
     const double min = formula->min_ellipticity, max = formula->max_ellipticity;
 
@@ -58,7 +58,8 @@ void formulas_print(const contact_scalars *solution, const ehd_contact *contact)
     }
 }
 
-/* Prints friction coefficients at the formula's film for a series of slide-roll ratios. */
+/* Prints friction coefficients for a series of slide-roll ratios, with the film of the film
+ * formula. */
 static void print_curve(const ehd_contact *contact) {
     static const double curve[] = {0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1};
     const double film = film_central(contact);
@@ -91,9 +92,9 @@ void formulas_print_traction(const contact_traction *solution, const ehd_contact
     print_curve(contact);
 }
 
-// ---- in time
+// ---- transient results
 
-/* A deviation, and the time for which it holds. */
+/* A deviation, and as weight the duration for which this deviation holds. */
 typedef struct weighted {
     double deviation, weight;
 } weighted;
@@ -133,7 +134,7 @@ static void print_deviations(weighted *deviations, size_t count) {
 }
 
 /* Returns the contact at a stored time, taken as stationary, and the film scale of its frame. The
- * load is that of the result, because a scene may give the approach instead of the load. */
+ * load is taken from the result, because a scene may give the approach instead of the load. */
 static ehd_contact contact_at(double *film_scale, const time_series *series, size_t i,
                               const ehd_histories *histories, const ehd_contact *reference) {
     double values[NUM_VARY];
@@ -147,8 +148,8 @@ static ehd_contact contact_at(double *film_scale, const time_series *series, siz
     return contact;
 }
 
-/* Returns the number of the first time at which the bodies are in contact; num_times: there is
- * none. */
+/* Returns the index of the first stored time at which the bodies are in contact, or num_times if
+ * there is no such time. */
 static size_t first_contact(const time_series *series) {
     size_t first = 0;
 
@@ -180,8 +181,8 @@ static void print_formula_in_time(weighted *deviations, const film_formula *form
     print_tail(formula, &at_start);
 }
 
-/* Prints the deviation of the friction coefficient in time. The contact of each time is taken as
- * stationary, at the film of its formula. */
+/* Prints how much the friction coefficient of the traction formula deviates from a transient
+ * result. The contact at each time is taken as stationary, with the film of its film formula. */
 static void print_traction_in_time(weighted *deviations, const time_series *series,
                                    const ehd_histories *histories, const ehd_contact *reference) {
     double scale, least = INFINITY, most = 0, outside = 0, total = 0;

@@ -14,11 +14,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Largest pressure gradient at the end of the grid in a trusted result, in Hertz pressures per half
- * width. With a gradient of 0.3 the error of the central film is 0.15 %. This was measured under
- * loads that vary by half of the load, on grids that end at X = 1.15 … 2, against a grid that ends
- * at 4 (README.md, In time). After a step by half of the load the gradient is up to 0.15 for a
- * short time. */
+/* Largest pressure gradient at the end of the grid with which a result is trusted, in Hertz
+ * pressures per half width. With a gradient of 0.3 the error of the central film is 0.15 %. This
+ * error was measured under loads that vary by half of the load, on grids that end at X = 1.15 … 2,
+ * against a grid that ends at X = 4 (README.md, In time). After a sudden change of the load by
+ * half, the gradient is up to 0.15 for a short time. */
 static const double MAX_END_GRADIENT = 0.3;
 
 struct full_march {
@@ -26,15 +26,16 @@ struct full_march {
     ehd_contact reference;
     double start_film;
     full_solver *solver;
-    previous_state states[NUM_BDF_PLACES]; // in the order of `bdf`, without PASSING
+    previous_state states[NUM_BDF_PLACES]; // at the places of `bdf` (bdf.h); the place PASSING is
+                                           // not used
     previous_carrier carrier;
-    double *entrained; // [num_inner] d/dX of the base's rho H, discretised as in the rows
+    double *entrained; // [num_inner] d/dX of rho H of the base, discretised as in the rows
     bool *noisy;       // [num_nodes] nodes left out of the local error
-    double *previous;  // [num_inner] sum of rho H of the previous states, with the formula's
-                       // weights
+    double *previous;  // [num_inner] sum of rho H of the previous states, weighted by the BDF
+                       // formula
     double *taken_up;  // [num_nodes] errors of rho H that the last attempt's film has accumulated
     double *kept;      // [num_nodes] errors of rho H that the last accepted film has accumulated
-    double *film;      // [num_nodes] scratch: carried errors, a film without its errors
+    double *film;      // [num_nodes] scratch for carried errors or for a film without its errors
     double *surface;   // [num_nodes] surface heights in the last attempt's frame; NULL: smooth
     bool mirrored;     // X of the surface is mirrored (find_mirrored_start)
     double *exits;     // [lines of the whole grid, GRID_EXITS] X of the last attempt's exits
@@ -61,13 +62,13 @@ double full_march_bytes(const ehd_contact *reference) {
            own * (double)reference->grid.num_nodes;
 }
 
-/* Returns the central film of the film formula at a hundredth of the speed and the same alpha
- * p_H. */
+/* Returns the central film of the film formula at a hundredth of the reference speed, with the
+ * alpha p_H of the reference. */
 static double dry_start_film(const ehd_contact *reference) {
     const contact_kind *kind = reference->kind;
     const contact_shape *shape = &reference->grid.shape;
-    // speed of the reference over the speed of the formula (README.md, In time; test_full_march.c,
-    // start_at_rest)
+    // ratio of the reference speed to the speed in the film formula (README.md, In time;
+    // test_full_march.c, start_at_rest)
     const double slowness = 100;
     double moes_M = kind->moes_M(shape, reference->lambda / slowness);
     double moes_L = reference->alpha_p_H / kind->alpha_p_H(shape, moes_M, 1);
@@ -83,8 +84,10 @@ static size_t state_size(const full_march *self) {
 
 static const bdf_model model;
 
-/* Connects the states to the march of BDF2 steps. Saved data have this order: with transport along
- * the path, the time until which the base is used; then the errors in `kept`; then the states. */
+/* Connects the states to the bdf_march. Saved data have this order:
+ * 1. With transport along the path: the time until which the base is used.
+ * 2. The errors in `kept`.
+ * 3. The states. */
 static void set_bdf_march(full_march *self) {
     const ehd_grid *grid = &self->reference.grid;
     bdf_march *bdf = &self->bdf;
@@ -111,7 +114,7 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     ehd_status status = discretization_check_in_time(reference->grid.discretization, error);
     if (status) return status;
     full_march *self = calloc(1, sizeof *self);
-    in_time.exit_at_node = true; // even at the start: an exit elsewhere would set off a wave
+    in_time.exit_at_node = true; // also at the start: an exit within a cell would cause a wave
     if (!self) return ehd_no_memory(error, "full model");
     arena *memory = &self->memory;
     self->reference = *reference;
@@ -153,7 +156,8 @@ static void add_effort(full_march *self, const full_info *info) {
 
 // ---- the start
 
-/* Finds the stationary solution for a given load; at zero speed, the dry contact. */
+/* Finds the stationary solution for a given load. At zero speed, sets the state to the dry
+ * contact. */
 static ehd_status start_with_load(full_info *info, full_march *self, const contact_frame *frame,
                                   ehd_error *error) {
     full_state *state = &state_before(self, 0)->state;
@@ -179,11 +183,11 @@ static double reference_approach(const full_march *self, const full_state *state
     return frame_to_reference(&scalars, frame, &self->reference).rigid_approach;
 }
 
-/* Smallest stride on the way to an approach or to a surface, as a fraction of the whole way, and
- * relative tolerance of the load, which equals Newton's tolerance. Of 120 approaches (line and
- * point contacts, M 5 to 100, L 0 to 10, H0 from -6 to 2) 73 are reached, with strides of 1/128 or
- * more. At most of the other approaches the bodies separate. An approach is given up after about 30
- * solutions (test_full_march.c, start_from_an_approach_far_away; test_surface.c,
+/* MIN_STRIDE: smallest stride on the way to an approach or to a surface, as a fraction of the whole
+ * way. SETTLED_LOAD: relative tolerance of the load. Of 120 approaches (line and point contacts, M
+ * 5 to 100, L 0 to 10, H0 from -6 to 2) 73 are reached, with strides of 1/128 or more. At most of
+ * the others the bodies separate. The search for an approach is given up after about 30 solutions
+ * (test_full_march.c, start_from_an_approach_far_away; test_surface.c,
  * one_at_rest_is_part_of_the_start). */
 static const double MIN_STRIDE = 1. / 1024, SETTLED_LOAD = 1e-8;
 
@@ -277,8 +281,9 @@ static ehd_status entrain(double *entrained, const previous_state *state,
     return EHD_OK;
 }
 
-/* Uses the base, which must be set. Only the difference of previous states from the base is carried
- * along the path, until an entrainment reverses. EHD_MEMORY. */
+/* Prepares the base, the initial state, which must be at the place BDF_BASE. From then on, only the
+ * difference of previous states from the base is carried along the path, until the entrainment
+ * reverses. EHD_MEMORY. */
 static ehd_status use_base(void *solver, ehd_error *error) {
     full_march *self = solver;
     previous_state *base = &self->states[BDF_BASE];
@@ -342,7 +347,8 @@ static ehd_status add_surface(full_info *info, full_march *self, contact_frame *
     return EHD_OK;
 }
 
-/* Finds the start at a speed that is not negative, in state_before(self, 0). */
+/* Finds the initial state at a speed that is zero or positive, and stores it in state_before(self,
+ * 0). */
 static ehd_status find_start(full_info *info, full_march *self, const contact_frame *frame,
                              ehd_error *error) {
     previous_state *first = state_before(self, 0);
@@ -374,8 +380,8 @@ static void mirror_state(full_state *target, const full_state *source, const ehd
     if (grid->inner_lines > 1) target->exit = grid->num_nodes - 1;
 }
 
-/* Finds the start at a negative speed: the mirror image of the start at the opposite speed on the
- * mirrored grid. *exit: X at which the pressure ends. */
+/* Finds the initial state at a negative speed. It is the mirror image of the initial state at the
+ * opposite speed on the mirrored grid. *exit: X at which the pressure ends. */
 static ehd_status find_mirrored_start(full_info *info, double *exit, full_march *self,
                                       const contact_frame *frame, ehd_error *error) {
     const ehd_grid *grid = &self->reference.grid;
@@ -384,7 +390,7 @@ static ehd_status find_mirrored_start(full_info *info, double *exit, full_march 
     contact_frame forward = *frame;
     full_march *mirror;
 
-    reference.transport = TRANSPORT_UPWIND; // the mirrored march takes no step
+    reference.transport = TRANSPORT_UPWIND; // of no effect, since the mirrored march takes no step
     if (!surface_rests(reference.surface)) reference.surface = NULL;
     reference.grid.x_min = -grid_x(grid, grid->inner_x);
     forward.speed = -frame->speed;
@@ -439,8 +445,8 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
 
 // ---- a step
 
-/* Extrapolates pressure and approach in time, each state in its own frame. The pressurised zone
- * remains the zone of the last state. */
+/* Predicts pressure and approach of the attempt by extrapolation from the previous states, each in
+ * its own frame. The pressurised zone is that of the last state. */
 static void predict(full_march *self) {
     const bdf_formula *formula = &self->bdf.formula;
     full_state *state = &state_before(self, 0)->state;
@@ -459,8 +465,9 @@ static void predict(full_march *self) {
             formula->predictor[i] * state_before(self, i + 1)->state.rigid_approach;
 }
 
-/* Carries rho H of the previous states over into the attempt's frame, and sums it up for the rows.
- * With transport along the path, the rows contain only the entrainment of the base. */
+/* Carries rho H of the previous states over into the attempt's frame, and adds up these values for
+ * the rows, weighted by the BDF formula. With transport along the path, the only entrainment in the
+ * rows is that of the base, which is added here. */
 static void carry_over(full_march *self, const contact_frame *frame) {
     const size_t num_inner = self->reference.grid.num_inner;
     const bdf_march *bdf = &self->bdf;
@@ -476,8 +483,8 @@ static void carry_over(full_march *self, const contact_frame *frame) {
         cblas_daxpy((int)num_inner, bdf->entrainment, self->entrained, 1, self->previous, 1);
 }
 
-/* Extends the marks on a line of nodes that are `stride` apart: to `margin` nodes before a marked
- * node, and margin - 1 nodes behind it. */
+/* Extends the marks on a line of nodes to `margin` nodes before each marked node, and to margin - 1
+ * nodes behind it. In the array the nodes of the line are `stride` apart. */
 static void dilate(bool *noisy, size_t count, size_t stride, size_t margin) {
     size_t since = margin, left = 0;
 
@@ -496,8 +503,8 @@ static void dilate(bool *noisy, size_t count, size_t stride, size_t margin) {
     }
 }
 
-/* Marks the nodes at or near which a state of this step has no pressure. Near such nodes the film
- * is not smooth in time on the scale of the grid. */
+/* Marks the nodes at or near which the attempt or one of its previous states has no pressure. Near
+ * such nodes the film is not smooth in time on the scale of the grid. */
 static void mark_noisy(void *solver) {
     full_march *self = solver;
     const full_state *state = &state_before(self, 0)->state;
@@ -532,17 +539,18 @@ static double missed_mass(const full_march *self, size_t r) {
     return self->bdf.masses.counts[r] ? bdf_march_missed(&self->bdf, r) : 0;
 }
 
-/* Returns the largest sum of local errors that a film accumulates in the dry contact, from any
- * place to the centre, without the factor of the BDF formula. The sum is the error of rho H at the
- * centre if all steps are like this one.
+/* Adds up the local errors that a film accumulates in the dry contact on its way from any place to
+ * the centre. Returns the largest of these sums. The factor of the BDF formula (`error`) is left
+ * out. If all steps are like this one, the sum is the error of rho H at the centre.
  * - Errors are added along the grid lines, from the side of the inlet. Errors of opposite sign
- *   cancel, and so do errors that pass a node without staying in the film.
- * - Upstream of the dry contact the pressure determines the film. There, even errors fifty times as
- *   large do no harm.
- * - The film accumulates errors while it moves along its path, at most for one unit of T per half
- *   width.
- * - In steps shorter than frame_shortest_step the sum is divided by frame_shortest_step, since
- *   noise does not shrink further. */
+ *   cancel. Thus errors that pass a node without staying in the film cancel too.
+ * - Upstream of the dry contact the pressure determines the film. There, even fifty times larger
+ *   errors do no harm.
+ * - The film accumulates errors while it moves. For each half width of its path it takes
+ *   1/|entrainment| units of T, of which at most one unit is counted.
+ * - The sum is divided by the length of the step. If the step is shorter than frame_shortest_step,
+ *   the sum is divided by frame_shortest_step, because noise does not become smaller in shorter
+ *   steps. */
 static double error_on_the_way(void *solver) {
     full_march *self = solver;
     const ehd_grid *grid = &self->reference.grid;
@@ -572,8 +580,8 @@ static double error_on_the_way(void *solver) {
 
 // ---- effects of the steps on the films
 
-/* Sets `errors` to the errors of the last accepted film, plus the change of this film by the
- * fraction of the filter that this step applies. */
+/* Sets `errors` to the errors of the last accepted film, plus the change of this film that the
+ * filter causes in this step. */
 static void add_filter_errors(double *errors, full_march *self) {
     const previous_state *last = state_before(self, 1);
     const size_t num_nodes = self->reference.grid.num_nodes;
@@ -587,12 +595,13 @@ static void add_filter_errors(double *errors, full_march *self) {
                          mass_at(&last->state, &contact, k);
 }
 
-/* Accumulates the errors of the last attempt's film: the errors of the last film, carried along
- * with the fluid, and the local errors of this step. A film keeps the errors that arise in the dry
- * contact before the centre. Upstream of the dry contact, and around spike and constriction, the
- * pressure determines the film anew. With errors from these places the effect on the minimum film
- * of M = 20, L = 5 would be estimated at 18 % instead of 1.9 %. The rate of BDF2 makes the errors
- * that each step adds 3/2 times as large. */
+/* Computes the errors that the attempt's film has accumulated. They are the errors of the last
+ * accepted film, carried along with the fluid, plus the local errors of this step. A film keeps the
+ * errors that arise in the dry contact before the centre. Upstream of the dry contact, and around
+ * spike and constriction, the pressure determines the film anew. If errors from these places were
+ * added, the estimated effect on the minimum film of M = 20, L = 5 would be 18 % instead of 1.9 %.
+ * The local errors are multiplied by the rate of the BDF formula. In BDF2 this enlarges errors that
+ * each step adds by a factor of 3/2. */
 static void take_up_errors(full_march *self, const contact_frame *frame) {
     const ehd_grid *grid = &self->reference.grid;
     const bdf_formula *formula = &self->bdf.formula;
@@ -622,8 +631,8 @@ static double largest_taken_up(const full_march *self, const full_state *state,
     return largest;
 }
 
-/* Sets the estimated relative changes of the films in the limit of small steps: the changes if the
- * accumulated errors are removed. */
+/* Estimates the relative changes of the films in the limit of small steps. For this, subtracts the
+ * accumulated errors from the film. */
 static void set_effects(march_step *outcome, const full_march *self, const full_state *state,
                         const ehd_contact *contact) {
     const size_t num_nodes = contact->grid.num_nodes;
@@ -652,7 +661,8 @@ static double cut_load(full_march *self, bool backwards) {
     const ehd_grid *grid = &self->reference.grid;
     const double end = backwards ? -grid->x_min : grid_x(grid, grid->inner_x);
 
-    if (self->bdf.ring.num_previous < 2) return 0; // after a jump, which is completed in one step
+    // in the first step after the start or a jump, the rates between the frames include the jump
+    if (self->bdf.ring.num_previous < 2) return 0;
     return frame_closing_gap(&state_before(self, 0)->frame, &state_before(self, 1)->frame,
                              &self->reference, end)
         .beyond;
@@ -681,7 +691,7 @@ static void place_surface(full_march *self, const contact_frame *frame) {
     full_solver_set_surface(self->solver, self->surface);
 }
 
-/* Returns why a solution is not to be trusted, or NULL if it is. */
+/* Returns why a solution cannot be trusted, or NULL if it can be trusted. */
 static const char *why_not_to_trust(full_march *self, const full_state *state,
                                     const ehd_contact *contact, bool backwards) {
     const ehd_grid *grid = &contact->grid;
@@ -769,14 +779,16 @@ static void prepare(void *solver, size_t place, double share) {
         previous_filter(&self->states[place], share, &self->carrier);
 }
 
-/* Halves the load as long as the stationary solution is trusted, and takes the last trusted load.
- * If the first solution is not trusted, takes the first load, if there is a solution. */
+/* Finds approach and load at which the bodies touch (march.h). Halves the load as long as the
+ * stationary solution can be trusted and M is at least MIN_MOES_M, and returns the last load with a
+ * trusted solution. If even the first solution is not trusted, returns the first load, provided
+ * that it has a solution. */
 static ehd_status touching(double *approach, double *load, void *solver, const contact_frame *frame,
                            ehd_error *error) {
     full_march *self = solver;
     previous_state *scratch = state_before(self, 0);
     contact_frame light = *frame;
-    char reason[JUDGE_REASON]; // apart from self->reason, which an outcome may use
+    char reason[JUDGE_REASON]; // not self->reason, to which the reason of an outcome may point
     full_info info;
 
     *approach = *load = NAN;
@@ -805,7 +817,7 @@ const full_state *full_march_state(const full_march *self, const contact_frame *
     return &last->state;
 }
 
-// ---- from and to another model
+// ---- states from and to another model
 
 /* Copies a state, without its frame, to `given`. `given->exits` may be NULL. */
 static void give(handed_state *given, const void *solver, size_t place) {
@@ -885,8 +897,10 @@ full_march_effort full_march_effort_of(const full_march *self) {
 
 // ---- saving
 
-static const double RUPTURED = -1; // stands for a node without pressure; no pressure is that low
-static const double NEVER = -1;    // stands for a base whose use has no end
+static const double RUPTURED = -1; // stands for the pressure at a ruptured node; no pressure is
+                                   // that low
+static const double NEVER = -1;    // stands for base_until = INFINITY, if the use of the base has
+                                   // no end
 
 /* Saves rigid approach, exit, pressure and film, in this order. */
 static void save(double *target, const void *solver, size_t place) {
@@ -923,7 +937,7 @@ static ehd_status restore(void *solver, size_t place, const double *source, ehd_
 }
 
 /* Saves the accumulated errors. With transport along the path, the time up to which the base is
- * used stands in front of them. */
+ * used comes first. */
 static void save_rest(double *front, double *behind, const void *solver) {
     const full_march *self = solver;
     const double until = self->carrier.base_until;

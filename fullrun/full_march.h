@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Marches the full model in time: BDF2 steps in the moving frame, for march_run (README.md, In
- * time).
+/* Marches the full model through time by BDF2 steps in the moving frame. march_run (march.h) calls
+ * this solver (README.md, In time).
  * Called by main.c, by snapgen/trajectory.c, and by recording.c and fallback_march.c of
  * romrun/calibrate. */
 #ifndef EHD_FULL_MARCH_H
@@ -16,14 +16,14 @@ double full_march_bytes(const ehd_contact *reference);
 
 /* Creates a march with the full model. `reference` is the contact with all factors equal to 1, and
  * must outlive the march.
- * Errors: EHD_MEMORY; EHD_DATA: a discretisation that cannot be used in time. */
+ * Errors: EHD_MEMORY; EHD_DATA: the discretisation cannot be used for transient contacts. */
 ehd_status full_march_create(
     // output:
     full_march **self, // free with full_march_free
     // input:
     const ehd_contact *reference, const full_settings *settings,
-    double start_film, // central film of a dry start, dimensionless; NaN: the film of the
-                       // film formula at a hundredth of the speed
+    double start_film, // dimensionless central film of a dry start; NaN: the film formula's value
+                       // at a hundredth of the reference speed
     ehd_error *error);
 full_march *full_march_free(full_march *self); // accepts and returns NULL
 
@@ -34,7 +34,8 @@ march_solver full_march_solver(full_march *self);
 /* Returns the last accepted state, and its frame unless `frame` is NULL. */
 const full_state *full_march_state(const full_march *self, const contact_frame **frame);
 
-/* Returns the march of BDF2 steps inside this march, which exchanges states with other models. */
+/* Returns the bdf_march inside this march. bdf_march_take_over uses it to take states from another
+ * model, or to give them to one. */
 bdf_march *full_march_steps(full_march *self);
 
 /* Effort of the march so far, times in seconds. */

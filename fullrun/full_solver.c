@@ -23,9 +23,9 @@ struct full_solver {
     ehd_grid grid;
     const contact_kind *kind;
     full_settings settings;
-    bool large;            // full_as_large
-    size_t part;           // full_part
-    team *threads;         // NULL: none, or the grid is not large
+    bool large;            // result of full_as_large
+    size_t part;           // result of full_part
+    team *threads;         // threads that share the work on a large grid; NULL: none
     const double *surface; // [num_nodes] heights that add to the gap; NULL: smooth surfaces
     ehd_deflection *deflection;
     gmres_workspace *workspace;
@@ -34,11 +34,11 @@ struct full_solver {
     double *row_scale;          // [num_inner]
     double *of_part;            // [parts of num_nodes] sum or maximum of each part
     double *step;               // [num_nodes] change of P in a Newton step
-    double step_approach;       // change of H0 in it
+    double step_approach;       // change of H0 in this step
     double *step_film;  // [num_nodes] change of the deflection, if the exit is within a cell
-    double step_offset; // move of this exit, in steps of the grid
+    double step_offset; // move of the exit within a cell, in steps of the grid
     step_base base;
-    contact_closure closure; // for the current state, includes the load beyond the grid
+    contact_closure closure; // closure of the current state, with the load beyond the grid
     far_field outer;         // far field at the boundary nodes
     double *pressure;        // [num_nodes] P of state, far field and inlet tail together
     bool keeps_factors;      // the factors of the previous linear system may be used
@@ -48,16 +48,16 @@ struct full_solver {
     double seconds_rows;     // time for the evaluation of rows
     size_t num_unknowns;     // as in full_system
     size_t *unknown, *index; // [num_nodes]
-    reynolds_fluid fluid;    // views of fluid_memory
+    reynolds_fluid fluid;    // fluid whose arrays lie in fluid_memory
     exit_cell cell;          // cell that contains the exit
-    arena memory;            // of all arrays
+    arena memory;            // memory of all arrays
 };
 
-/* Returns the default settings. Measured on six line contacts of 1201 nodes:
+/* Returns the default settings. Measurements on six line contacts of 1201 nodes:
  * - With a near field of 8 nodes GMRES takes 18 iterations per Newton iteration, at most 0.19 s in
- *   all. With 64 nodes it takes 8 iterations, but 0.66 s.
- * - With a linear tolerance of 1e-8 GMRES takes 18 iterations. With 1e-2 it takes 7, but Newton
- *   takes 34 iterations instead of 28. */
+ *   all. With a near field of 64 nodes GMRES takes 8 iterations, but 0.66 s.
+ * - With a linear tolerance of 1e-8 GMRES takes 18 iterations. With a tolerance of 1e-2 GMRES takes
+ *   7 iterations, but Newton takes 34 iterations instead of 28. */
 full_settings full_default_settings(void) {
     full_settings settings = {.tolerance = 1e-10,
                               .max_iterations = 60,
@@ -77,8 +77,9 @@ full_solver *full_solver_free(full_solver *self) {
 }
 
 /* Number of inner nodes above which a grid is large. From 33 nodes a side on, multigrid takes half
- * of the time of the factors (README.md, Large point contacts). A lower limit would change the
- * round-off of solutions on the grids of trainings and studies, up to 129 by 65 nodes. */
+ * of the time of the factors (README.md, Large point contacts). The limit is higher, because the
+ * grids of trainings and studies have up to 129 by 65 nodes, and multigrid would change the
+ * round-off of their solutions. */
 static const size_t LARGE = 10000;
 
 bool full_is_large(const ehd_grid *grid) {
@@ -97,8 +98,8 @@ size_t full_part(const ehd_grid *grid, bool large) {
 
 double full_solver_bytes(const ehd_grid *grid) {
     const double of_solver = sizeof(reynolds_row) + sizeof(reynolds_stencil) + 27 * sizeof(double);
-    // numbers per node: kernel 1, its transform 2; signal of a half grid 2, signal and spectrum of
-    // a whole grid 4 each
+    // Numbers per node: 1 for the kernel and 2 for the transform of the kernel. A half grid has 2
+    // more for the signal, a whole grid 4 for the signal and 4 for the spectrum.
     const double of_deflection = (grid->half ? 5 : 11) * sizeof(double);
     // bytes of the factors per node and per log2 of the number of nodes, measured with UMFPACK
     enum { OF_FACTORS = 100 };
@@ -226,7 +227,7 @@ bool full_is_cut(const full_state *state, const ehd_grid *grid, bool backwards) 
     return false;
 }
 
-/* Context of an evaluation at all nodes, or of all rows, that threads share. */
+/* Context of work that threads share: an evaluation at all nodes, or of all rows. */
 typedef struct evaluation {
     full_solver *solver;
     const ehd_contact *contact;
@@ -273,8 +274,8 @@ static double compensated_sum(const full_state *state, const ehd_grid *grid) {
     return sum;
 }
 
-/* Returns the residual of the closure equation, scaled such that the entries of its row are 1 (2
- * off a mirror line). */
+/* Returns the residual of the closure equation, scaled such that the entries of its row are 1. On a
+ * half grid they are 2, except at the mirror line. */
 static double closure_residual(const full_solver *self, const full_state *state) {
     const contact_closure *closure = &self->closure;
     const ehd_grid *grid = &self->grid;
@@ -323,7 +324,7 @@ static void evaluate_some_rows(void *context, const team_part *part) {
 }
 
 /* Evaluates film, fluid and all Reynolds rows at the state. If the exit lies within the cell of a
- * node, evaluates this cell as well; its row replaces the row of the node. */
+ * node, evaluates this cell as well. The row of the cell replaces the row of the node. */
 static void evaluate_rows(full_solver *self, const ehd_contact *contact,
                           const reynolds_squeeze *squeeze, full_state *state) {
     const size_t num_nodes = self->grid.num_nodes, part = self->part;
@@ -350,8 +351,8 @@ static void evaluate_rows(full_solver *self, const ehd_contact *contact,
     self->seconds_rows += program_seconds() - before;
 }
 
-/* Returns the largest entry of a row of the Jacobian. The derivative by the film is multiplied by
- * the kernel. */
+/* Returns the largest entry of a row of the Jacobian. The derivative by the film, times the kernel,
+ * is a derivative by the pressure. */
 static double row_magnitude(const full_solver *self, size_t r) {
     const reynolds_row *row = &self->rows[r];
     const int size = reynolds_stencil_size(&self->grid);
@@ -424,9 +425,9 @@ static bool has_ruptured_nodes(const full_state *state) {
     return false;
 }
 
-/* Places the exit within the cell of its node, as the pressure at this node requires
- * (test_full_solver.c, pressure_holds_the_exit). The state's rows must be evaluated. Returns false
- * if the state stays as it is. */
+/* Moves an exit from its node to the position within the cell that the pressure at the node
+ * requires (test_full_solver.c, pressure_holds_the_exit). The state's rows must be evaluated.
+ * Returns false if the state stays as it is. */
 static bool divide_node(full_solver *self, double entrainment, full_state *state) {
     if (!isnan(state->exit_offset) || !can_divide_node(state, &self->grid) ||
         has_ruptured_nodes(state))
@@ -453,7 +454,8 @@ static double change_of_offset(const full_solver *self, const full_state *state)
     return change;
 }
 
-/* Moves the exit of a state, to which a step has been added, by `change` steps of the grid. */
+/* Moves the exit of a state by `change` steps of the grid. A Newton step has been added to the
+ * state before. */
 static void move_exit(full_state *state, const ehd_grid *grid, double change) {
     const double offset = state->exit_offset + (isfinite(change) ? change : 0);
     const double exit = fmax((double)state->exit + floor(offset), 3);
@@ -465,14 +467,15 @@ static void move_exit(full_state *state, const ehd_grid *grid, double change) {
 
 // ---- Newton
 
-/* Largest relative tolerance of a linear system. Two point contacts of 128 cells take 86 GMRES
- * iterations in 10 Newton iterations with 0.01, 109 in 10 with 1e-4, and 84 in 11 with 0.1
- * (test_full_point.c, inexact_newton_ends_where_dense_does). */
+/* Largest relative tolerance of a linear system. Measured on two point contacts of 128 cells: with
+ * a largest tolerance of 0.01 they take 10 Newton iterations and 86 GMRES iterations. With 1e-4
+ * they take 10 and 109, with 0.1 they take 11 and 84 (test_full_point.c,
+ * inexact_newton_ends_where_dense_does). */
 static const double MAX_FORCING = 0.01;
 
 /* Returns the relative tolerance of the linear system in an inexact Newton step (Eisenstat and
- * Walker, SIAM J. Sci. Comput. 17, 1996). The tolerance is loose far from the solution, and at the
- * end as tight as Newton's tolerance needs. On a line contact a system costs little, and the
+ * Walker, SIAM J. Sci. Comput. 17, 1996). The tolerance is loose far from the solution. At the end
+ * it is as tight as Newton's tolerance needs. On a line contact a system costs little, and the
  * tolerance is always linear_tolerance. */
 static double linear_tolerance(const full_solver *self, double residual) {
     const full_settings *settings = &self->settings;
@@ -578,16 +581,17 @@ static bool film_is_positive(const full_solver *self, const full_state *state) {
  * halvings they take 88 (test_full_solver.c, steps_are_searched). */
 static const int MAX_HALVINGS = 10;
 
-/* Square sum of the scaled residuals below which a step need not reduce them. The first steps from
- * a neighbour's solution may increase the residuals. With 1e-2 the region of lower load
- * (scenes/studies/stationary-line), on a grid of step 0.01, takes 837 iterations with starts from
- * neighbours. If each Newton step must reduce the residuals, it takes 1884 (README.md, Newton). */
+/* If the sum of squares of the scaled residuals is below this limit, a step need not reduce the
+ * residuals. The first steps from the solution of a neighbouring contact may increase them.
+ * Measured on the region of lower load (scenes/studies/stationary-line), on a grid of step 0.01,
+ * with starts from neighbours: with a limit of 1e-2 all contacts together take 837 iterations. If
+ * each Newton step must reduce the residuals, they take 1884 (README.md, Newton). */
 static const double SMALL_RESIDUALS = 1e-2;
 
-/* Takes a Newton step, halved until the film is positive and the residuals are smaller than the
- * largest so far. A search that is not monotone is needed, since the first steps from too thick a
- * film increase the residuals (L. Grippo, F. Lampariello, S. Lucidi, SIAM J. Numer. Anal. 23,
- * 1986). The shortest step is taken if its film is positive, even if residuals grow.
+/* Takes a Newton step. Halves the step until the film is positive and the residuals are smaller
+ * than the largest residuals so far. The search must allow residuals to grow, since the first steps
+ * from a film that is too thick increase them (L. Grippo, F. Lampariello, S. Lucidi, SIAM J. Numer.
+ * Anal. 23, 1986). The shortest step is taken if its film is positive, even if residuals grow.
  * EHD_NOT_CONVERGED, with info->reason: there is no step. */
 static ehd_status take_step(full_info *info, full_state *state, full_solver *self,
                             const ehd_contact *contact, const reynolds_squeeze *squeeze,
@@ -624,26 +628,28 @@ static double complementarity(const full_solver *self, const full_state *state) 
     return worst;
 }
 
-// Limit below which the sign of pressures (in Hertz pressures) and of scaled multipliers is ignored
-// in time and with a surface. Within a ruptured zone the sign is round-off. With 1e-7 the paper's
-// transient case with a load of 30 % and period 1/4, to T = 1, takes 6439 iterations. With 0 it
-// takes 8664. With 1e-10 and 1e-9 the steps become too short (test_full_march.c,
-// sine_leads_to_a_periodic_state). Other stationary contacts need no such limit.
+// In a transient run, or with a surface, the sign of a pressure (in Hertz pressures) or scaled
+// multiplier is ignored if its magnitude is below this limit. Within a ruptured zone the sign is
+// round-off. Measured on the paper's transient case (load amplitude 30 %, period 1/4, up to T = 1):
+// it takes 6439 iterations with a limit of 1e-7, and 8664 without a limit. With limits of 1e-10 and
+// 1e-9 the steps become too short (test_full_march.c, sine_leads_to_a_periodic_state). Stationary
+// contacts without a surface need no such limit.
 static const double NOISE = 1e-7;
 
-// values of index[]: a node gets pressure by its own sign, or by the sign of nodes beside it
+// values of index[]: a node gets pressure because of the sign of its own pressure or multiplier
+// (WANTED), or because of the multipliers of nodes beside it (JOINED)
 enum { WANTED = 1, JOINED };
 
-/* Marks runs of neighbouring nodes that have negative multipliers, even small ones, on a line
- * contact. A gap that closes far behind the exit has such a run. A run of n nodes with a mean
- * multiplier m builds up a pressure of about m n^2 / 4. Returns whether there is a run. If single
- * nodes were marked instead, the second zone of pressure would begin at a time that depends on the
- * grid: T = 0, 10 and 20 with a step of 0.02, 0.01 and 0.005 (line contact, M = 3, L = 3, growing
- * radius). */
+/* On a line contact, marks runs of neighbouring nodes with negative multipliers, even if these are
+ * small. A gap that closes far behind the exit has such a run. A run of n nodes with the mean
+ * multiplier -m builds up a pressure of about m n^2 / 4. Returns whether a run was marked. If
+ * single nodes were marked instead, the second zone of pressure would begin at a time that depends
+ * on the grid: T = 0, 10 and 20 with a step of 0.02, 0.01 and 0.005 (line contact, M = 3, L = 3,
+ * growing radius). */
 static bool mark_runs(full_solver *self, const full_state *state) {
     // A run of n nodes with the mean scaled multiplier -m is marked if n^2 m exceeds this limit.
-    // With 1e-4 less than one step in a hundred changes (test_second_zone.c,
-    // the_zone_does_not_depend_on_the_grid).
+    // With a limit of 1e-4 the solutions of fewer than one step in a hundred change
+    // (test_second_zone.c, the_zone_does_not_depend_on_the_grid).
     const double least = 1e-5;
     const size_t end = self->grid.num_nodes - 1;
     bool found = false;
@@ -669,7 +675,7 @@ static bool mark_runs(full_solver *self, const full_state *state) {
  * contacts this extension would take 4 % more iterations. */
 static void grow_intervals(full_solver *self, const full_state *state) {
     const size_t num_rows = self->grid.num_inner;
-    double sum[2] = {0, 0}; // multipliers from the marked nodes on, forwards and backwards
+    double sum[2] = {0, 0}; // sums of multipliers from the marked nodes on, forwards and backwards
 
     for (size_t i = 0; i < num_rows; i++)
         for (int way = 0; way < 2; way++) {
@@ -684,8 +690,9 @@ static void grow_intervals(full_solver *self, const full_state *state) {
 
 /* Sets the pressurised zone by a primal-dual active set: each node follows the sign of its pressure
  * or multiplier. This is a semismooth Newton step (Hintermueller, Ito and Kunisch 2003). Returns
- * whether the zone has changed. A node may change any number of times. With at most four changes a
- * node, all measured marches and 149 of 150 cold starts of point contacts would stay the same. */
+ * whether the zone has changed. The number of changes of a node is not limited. With a limit of
+ * four changes, all measured marches and 149 of 150 cold starts of point contacts would stay the
+ * same. */
 static bool adapt_zone(full_solver *self, full_state *state, bool in_time) {
     const ehd_grid *grid = &self->grid;
     size_t last = 0;
@@ -693,7 +700,8 @@ static bool adapt_zone(full_solver *self, full_state *state, bool in_time) {
     const bool line = grid->inner_lines == 1;
     const double noise = in_time || self->surface ? NOISE : 0;
 
-    // A Newton step moves an exit within a cell. Behind it a surface may make another zone.
+    // An exit within a cell is moved by the Newton step, not by the active set. With a surface the
+    // active set is needed nevertheless, because another zone may arise behind the exit.
     if (!isnan(state->exit_offset) && !self->surface) return false;
 
     for (size_t r = 0; r < grid->num_inner; r++) {
@@ -702,7 +710,8 @@ static bool adapt_zone(full_solver *self, full_state *state, bool in_time) {
         const bool wanted =
             open ? state->pressure[k] >= -noise : scaled_multiplier(self, k) < -noise;
         changed |= wanted != open;
-        self->index[k] = wanted ? WANTED : 0; // stored apart, as the next nodes need the old zone
+        self->index[k] = wanted ? WANTED : 0; // not yet stored in the state, since the next nodes
+                                              // need the old zone
     }
     if (line) changed |= mark_runs(self, state);
     if (!changed) return false;
@@ -728,30 +737,30 @@ static void list_unknowns(full_solver *self, const full_state *state) {
 }
 
 // Largest scaled residual that round-off may leave. Round-off leaves more than 1e-12 on 513 by 513
-// nodes of a point contact. It leaves up to 9e-12 on a line contact with step 0.000625 at M = 2000
-// (test_full_solver.c, rounding_ends_the_iteration).
+// nodes of a point contact. On a line contact with step 0.000625 at M = 2000 round-off leaves up to
+// 9e-12 (test_full_solver.c, rounding_ends_the_iteration).
 static const double MAX_ROUNDING = 1e-10;
 
-/* Returns the scaled residual that round-off may leave in the closure equation. The entries of its
- * row are 1, so the residual is some units in the last place of the sum of pressures. It grows with
- * the number of nodes, and exceeds MAX_ROUNDING from 1400 nodes a side on. */
+/* Returns the scaled residual that round-off may leave in the closure equation. The entries of this
+ * row are 1, so round-off leaves some units in the last place of the sum of pressures. This
+ * residual grows with the number of nodes. From 1400 nodes a side on, it exceeds MAX_ROUNDING. */
 static double rounding_left(const full_solver *self) {
     const double sum = fabs(self->closure.value) / grid_cell(&self->grid);
 
     return fmax(MAX_ROUNDING, 4 * DBL_EPSILON * sum);
 }
 
-/* Checks whether the residual is below the tolerance or, on a grid too fine for that, has
- * stalled. */
+/* Checks whether the residual is below the tolerance. On a grid so fine that round-off prevents
+ * this, checks whether the residual no longer falls. */
 static bool is_solved(const full_solver *self, double residual, double last_residual) {
     if (residual < self->settings.tolerance) return true;
     return self->largest_row < MAX_ROUNDING && residual < rounding_left(self) &&
            residual > 0.5 * last_residual;
 }
 
-/* Places an exit of a solution with exits at nodes. Returns its distance downstream of `last`, in
- * steps of the grid. `last` is the last node of an interval with pressure. NaN: the exit is at the
- * next node. */
+/* Computes the position of an exit between nodes, for a solution with exits at nodes. `last` is the
+ * last node of an interval with pressure. Returns the distance of the exit downstream of `last`, in
+ * steps of the grid. NaN: the exit stays at the node behind `last`. */
 static double place_of_exit(const full_solver *self, double entrainment,
                             const reynolds_squeeze *squeeze, const full_state *state, size_t last,
                             bool backwards) {
@@ -763,7 +772,7 @@ static double place_of_exit(const full_solver *self, double entrainment,
     const reynolds_stencil reversed = reynolds_stencil_reversed(grid, last);
     const reynolds_stencil *stencil = backwards ? &reversed : &self->stencils[r];
     const double speed = backwards ? -entrainment : entrainment;
-    double previous[3]; // upstream of, at and downstream of the node
+    double previous[3]; // values upstream of the node, at the node and downstream of it
     const reynolds_squeeze around = {squeeze ? squeeze->rate : 0, previous};
 
     for (size_t i = 0; i < 3 && squeeze; i++)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Solves a contact at full order: Newton on pressure and rigid approach (eq. 22 of Maier et al.
- * 2015), active set for the exit boundary (eqs. 18-21), GMRES with FFT deflection and a factorised
- * near field (fullrun/README.md, Newton).
+/* Solves a contact with the full model. Newton's iteration finds pressure and rigid approach (eq.
+ * 22 of Maier et al. 2015). An active set finds the exit boundary (eqs. 18-21). GMRES solves the
+ * linear systems, with deflections by FFT and a factorised near field as preconditioner
+ * (fullrun/README.md, Newton).
  * Called by main.c, training.c, full_march.c and resolution.c, and by romrun/calibrate. */
 #ifndef EHD_FULL_SOLVER_H
 #define EHD_FULL_SOLVER_H
@@ -18,17 +19,22 @@
 
 /* A state of the contact on its grid. */
 typedef struct full_state {
-    double *pressure; // [num_nodes], zero at the boundary nodes, where ruptured and from `exit` on
+    double *pressure; // [num_nodes], zero at boundary nodes, at ruptured nodes and from node `exit`
+                      // on
     double *film;     // [num_nodes]
     double rigid_approach;
-    size_t exit; // node where the film ruptures, at most num_nodes - 1; no pressure from there on
-    // place of an exit within the cell of a node (common/physics/README.md, The exit within a
-    // node): its distance from the last node with pressure, exit - 1, in grid steps, 0 to 1; in
-    // time the value of exit_place. NaN: the exit is at a node, or its place is not known yet
+    size_t exit; // line contact: node where the film ruptures; this node and all nodes behind it
+                 // have no pressure. Point contact: num_nodes - 1, which is also the largest value
+                 // on a line contact
+    // Position of an exit that lies within the cell of a node (common/physics/README.md, The exit
+    // within a node). It is the distance of the exit from node exit - 1, the last node with
+    // pressure, in grid steps, 0 to 1. In a transient run it is the value of exit_place. NaN: the
+    // exit is at a node, or its position is not known yet.
     double exit_offset;
-    // [num_nodes] whether a node before `exit` has no pressure. The solution of a line contact has
-    // such nodes only with a surface, or in time if the contact shrinks faster than it entrains
-    // fluid. On a point contact they are all nodes without pressure, boundary nodes included
+    // [num_nodes] whether a node before `exit` has no pressure. On a line contact, a solution has
+    // such nodes only with a surface, or, in a transient run, if the contact shrinks faster than it
+    // entrains fluid. On a point contact, all nodes without pressure are marked, boundary nodes
+    // included.
     bool *ruptured;
 } full_state;
 
@@ -38,51 +44,56 @@ bool full_has_pressure(const full_state *state, size_t node);
 /* Returns X at which the pressure of a line contact ends. */
 double full_exit_position(const full_state *state, const ehd_grid *grid);
 
-/* Checks whether the film, interpolated between the nodes around the lowest one, falls to zero. The
- * grid then does not resolve the film, and the minimum film of the scalars is the lowest value at a
- * node. */
+/* Checks whether the film, interpolated between the nodes around the lowest node, falls to zero. If
+ * so, the grid does not resolve the film, and full_evaluate_scalars gives the lowest value at a
+ * node as the minimum film. */
 bool full_film_closes(const full_state *state, const ehd_grid *grid);
 
-/* Checks whether pressure reaches the downstream end of the grid. This is the end at larger X, or
- * at smaller X if the entrainment is `backwards`. */
+/* Checks whether pressure reaches the downstream end of the grid. This end lies at larger X, or at
+ * smaller X if the entrainment is `backwards`. */
 bool full_is_cut(const full_state *state, const ehd_grid *grid, bool backwards);
 
 typedef struct full_info {
     ehd_status status;        // EHD_OK or EHD_NOT_CONVERGED
-    size_t newton_iterations; // on the contact's own grid, all stages of a continuation together
+    size_t newton_iterations; // on the contact's own grid, not on coarser grids; sum over all
+                              // stages of a continuation
     size_t gmres_iterations;
     // largest scaled residual of the load balance and of the Reynolds rows at nodes with pressure
     double residual;
     double complementarity; // violation of the exit conditions: max(-P), scaled max(-Lambda)
     double seconds;
-    double seconds_rows, seconds_linear; // parts of `seconds`: rows and deflection; linear systems
-    const char *reason;                  // why it did not converge, or ""
+    double seconds_rows, seconds_linear; // parts of `seconds`: for rows and deflection, and for
+                                         // linear systems
+    const char *reason;                  // why the iteration did not converge, or ""
 } full_info;
 
 typedef struct full_system full_system;
 
-/* Solves J dz = -residual to a relative tolerance and writes dz to system->step and
- * step_approach. It is a member of full_settings, so that tests can use a dense factorisation. */
+/* Solves J dz = -residual to a relative tolerance and writes dz to system->step and step_approach.
+ * The solver is a member of full_settings, so that tests can use a dense factorisation. */
 typedef ehd_status full_linear_solver(full_system *system, double tolerance, size_t *iterations,
                                       ehd_error *error);
 
-/* Function that is called before each Newton iteration, including those on coarser grids. */
+/* Function that is called before each Newton iteration, including iterations on coarser grids. */
 typedef void full_watcher(void *context, const ehd_grid *grid, size_t iteration, double residual);
 
 typedef struct full_settings {
-    double tolerance;                 // of the scaled residual; default 1e-10
-    size_t max_iterations;            // of Newton in one solution; default 60
-    size_t near_field;                // m, the preconditioner keeps the kernel within m nodes;
-                                      // default 8, on a point contact at most 1
-    double linear_tolerance;          // of GMRES, relative; default 1e-8
+    double tolerance;                 // limit of the largest scaled residual; default 1e-10
+    size_t max_iterations;            // largest number of Newton iterations in one solution;
+                                      // default 60
+    size_t near_field;                // m: the preconditioner keeps the kernel's values within m
+                                      // nodes; default 8, on a point contact at most 1
+    double linear_tolerance;          // relative tolerance of GMRES; default 1e-8
     full_linear_solver *solve_linear; // default full_solve_gmres
-    bool exit_at_node;                // exits at nodes in all solutions, as in time; default false:
-                                      // only if exit_is_within_node is false
-    bool as_large;                    // solves point contacts of any size like large ones, such as
-                                      // the coarser grids of a large one; default false
-    team *threads;                    // share the work on large grids, for one solution at a time;
-                                      // results do not depend on them, to the bit; NULL: none
-    full_watcher *watcher;            // NULL: none
+    bool exit_at_node;                // all exits are at nodes, as in transient runs; default
+                                      // false: exits of stationary contacts are at nodes only if
+                                      // exit_is_within_node is false
+    bool as_large;                    // solves point contacts of any size like large contacts; used
+                                      // for the coarser grids of a large contact; default false
+    team *threads;                    // threads that share the work on large grids, for one
+                                      // solution at a time. Any number of threads gives the same
+                                      // bits. NULL: one thread does all work
+    full_watcher *watcher;            // NULL: the iteration is not watched
     void *watcher_context;
 } full_settings;
 
@@ -92,11 +103,11 @@ full_settings full_default_settings(void);
 struct full_system {
     const ehd_grid *grid;
     ehd_deflection *deflection;
-    size_t num_unknowns;              // nodes with pressure
-    const size_t *unknown;            // [num_unknowns] the nodes, ascending
+    size_t num_unknowns;              // number of nodes with pressure
+    const size_t *unknown;            // [num_unknowns] nodes of the unknowns, ascending
     const size_t *index;              // [num_nodes] place of a node in `unknown`, else NO_NODE
     const reynolds_stencil *stencils; // [num_inner], in the order of grid_node_of_row
-    const reynolds_row *rows;         // [num_inner], used at the unknowns' nodes
+    const reynolds_row *rows;         // [num_inner], of which the rows of the unknowns are used
     const double *row_scale;          // [num_inner], 1 / largest entry of the row
     const far_field *outer;           // dP/dH0 at the boundary nodes; NULL: zero pressure there
     // scaled closure: closure_approach H0 + closure_load sum weight P + closure_residual = 0
@@ -105,8 +116,8 @@ struct full_system {
     bool keeps_factors;   // factors of an earlier system may precondition this one
     double *step;         // [num_nodes], out: change of P, zero at nodes that are no unknowns
     double step_approach; // out: change of H0
-    team *threads;        // share the work; NULL: none
-    void *workspace;      // of the linear solver
+    team *threads;        // threads that share the work; NULL: one thread does all work
+    void *workspace;      // memory of the linear solver
 };
 
 full_linear_solver full_solve_gmres;
@@ -125,11 +136,11 @@ bool full_as_large(const ehd_grid *grid, const full_settings *settings);
 size_t full_part(const ehd_grid *grid, bool large);
 
 /* Returns the approximate peak memory of a point contact's solution in bytes. All arrays are
- * counted. The factors of a grid that is not large are estimated: their measured fill grows as N
- * log N. */
+ * counted. If the grid is not large, the memory of the factors is estimated: their measured fill
+ * grows as N log N with the number of nodes N. */
 double full_solver_bytes(const ehd_grid *grid);
 
-/* Creates a solver with grid-sized memory and FFT plans. Each thread needs an object of its own.
+/* Creates a solver with grid-sized memory and FFT plans. Each thread needs a solver of its own.
  * Errors: EHD_MEMORY. */
 ehd_status full_solver_create(
     // output:
@@ -144,14 +155,15 @@ const full_settings *full_solver_settings(const full_solver *solver);
  * array. NULL, the initial value: smooth surfaces. */
 void full_solver_set_surface(full_solver *solver, const double *heights);
 
-/* Allocates a state without pressure whose inner nodes are all in the pressurised zone.
+/* Allocates a state with zero pressure. All of its inner nodes are in the pressurised zone. Error:
  * EHD_MEMORY. */
 ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *error);
 void full_state_free(full_state *state);
-/* Puts all inner nodes into the pressurised zone, a start for Newton if nothing is known. */
+/* Puts all inner nodes into the pressurised zone. Newton starts from this zone if nothing is known
+ * about the solution. */
 void full_state_fill(full_state *state, const ehd_grid *grid);
-/* Sets the pressurised zone from the pressure: on a line contact the nodes before `exit`, on a
- * point contact the nodes with a pressure other than zero. full_solve finds the place of a line's
+/* Sets the pressurised zone: on a line contact to the nodes before `exit`, on a point contact to
+ * the nodes whose pressure is not zero. On a line contact, full_solve computes the position of the
  * exit within the cell of a node from the pressure at the last node. */
 void full_state_set_zone(full_state *state, const ehd_grid *grid, size_t exit);
 void full_state_copy(full_state *target, const full_state *source, const ehd_grid *grid);
@@ -166,39 +178,41 @@ ehd_status full_solve(
     full_state *state,
     // input:
     full_solver *solver, const ehd_contact *contact,
-    const reynolds_squeeze *squeeze, // NULL when stationary; its rows are the inner nodes
+    const reynolds_squeeze *squeeze, // time derivative at the inner nodes; NULL: stationary
     ehd_error *error);
 
 /* Checks whether full_solve places the exit of a stationary contact within the cell of a node. */
 bool full_exit_is_within_node(const full_solver *solver);
 
-/* Solves a stationary contact like full_solve, but with the exit at a node. This solution is a
- * start if Newton fails with the exit within a cell. */
+/* Solves a stationary contact like full_solve, but with the exit at a node. Newton can start from
+ * this solution if it fails with the exit within a cell. */
 ehd_status full_solve_nodal(full_info *info, full_state *state, full_solver *solver,
                             const ehd_contact *contact, ehd_error *error);
 
 /* Solves a contact by a cold start. Coarser grids are solved first, the coarsest from the dry
- * (Hertz) contact with an estimated film. If this fails, continues in M at small L, then in L. */
+ * (Hertz) contact with an estimated film. If this fails, continuation from an easy contact changes
+ * first M at small L, then L. */
 ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solver,
                            const ehd_contact *contact, ehd_error *error);
 
 /* Solves a contact by Newton from `state`, the solution of another contact on the same grid. If
- * this fails, it makes a cold start. */
+ * this fails, solves the contact by a cold start. */
 ehd_status full_solve_from(full_info *info, full_state *state, full_solver *solver,
                            const ehd_contact *contact, ehd_error *error);
 
-/* Lists X of the exits on each line, at nodes. Each interval with a positive pressure has one exit,
- * at its downstream end. The exit farthest downstream comes first; more than GRID_EXITS are not
- * listed. */
+/* Lists the exits on each line, by X of their nodes. Each interval with a positive pressure has one
+ * exit, at its downstream end. The exit farthest downstream comes first. At most GRID_EXITS exits
+ * of a line are listed. */
 void full_list_exits(
     // output:
-    double *positions, // [inner lines of grid_whole, GRID_EXITS], NaN where there is none
+    double *positions, // [inner lines of grid_whole, GRID_EXITS], NaN where there is no exit
     // input:
     const full_state *state, const ehd_grid *grid,
     bool backwards); // entrainment towards smaller x
 
-/* Lists the exits of a line contact like full_list_exits, but between nodes if exit_place finds
- * them there. full_solve must have just found the state, with the exit at a node. */
+/* Lists the exits of a line contact like full_list_exits, but at positions between nodes if
+ * exit_place finds such positions. `state` must be the last solution of full_solve, with the exit
+ * at a node. */
 void full_place_exits(double *positions, const full_state *state, const full_solver *solver,
                       const ehd_contact *contact, const reynolds_squeeze *squeeze, bool backwards);
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Solves the linear systems of Newton by GMRES. Rows and FFT give products with the exact Jacobian.
- * The preconditioner consists of UMFPACK's factors of a sparse Jacobian, in which the shifted near
- * field replaces the kernel (fullrun/README.md, Linear systems). In a step in time, where Newton
- * starts near the solution, the factors of the first system precondition the later systems of this
- * step too. On large grids a cycle of multigrid replaces the factors (fullrun/README.md, Large
- * point contacts).
+/* Solves the linear systems of Newton by GMRES. The stencil rows and one FFT convolution give
+ * products with the exact Jacobian. The preconditioner consists of UMFPACK's factors of a sparse
+ * Jacobian, in which the shifted near field replaces the kernel (fullrun/README.md, Linear
+ * systems). In a transient run Newton starts near the solution. There, the factors of the first
+ * system of a time step precondition the later systems of this step too. On large grids a cycle of
+ * multigrid replaces the factors (fullrun/README.md, Large point contacts).
  *
  * The sparse Jacobian is a band B, bordered by the column c of H0 and the closure's row. Only the
  * band is factorised, since with a full row UMFPACK's analysis takes O(n^2). The border follows
@@ -24,31 +24,31 @@
 #include <string.h>
 #include <umfpack.h>
 
-/* Largest number of iterations. Their vectors take most of the solver's memory. If a system needs
- * more, its solution is less accurate. 21 stationary line and point contacts (M 1 to 1000, L 0 to
- * 25) and three contacts in time need at most 20 iterations. A line contact of 76801 nodes needs 77
- * (test_gmres.c, vectors_suffice_for_a_fine_grid). */
+/* Largest number of GMRES iterations. The vectors of the iterations take most of the solver's
+ * memory. If a system needs more iterations, its solution is less accurate. 21 stationary line and
+ * point contacts (M 1 to 1000, L 0 to 25) and three transient contacts need at most 20 iterations.
+ * A line contact of 76801 nodes needs 77 (test_gmres.c, vectors_suffice_for_a_fine_grid). */
 enum { MAX_ITERATIONS = 80 };
 
-/* Number of additional columns at each end of a row, when the rows of a multigrid cycle are first
- * computed. The entries of these columns are then added to the end entries of the row. Without the
- * columns, differences along the line lack some of their nodes, and solutions of the line grow or
- * fade downstream. GMRES takes 109 iterations with 2 columns and 197 without them, for M = 200, L =
- * 20 and 256 cells a side (test_full_point.c, fine_grids_take_few_iterations). */
+/* Number of additional columns at each end of a matrix row while the rows of a multigrid cycle are
+ * computed. At the end, the entries of these columns are added to the first and last entries of the
+ * row. Without the columns, differences along the line lack some of their nodes, and solutions of
+ * the line grow or fade downstream. GMRES takes 109 iterations with 2 columns and 197 without them,
+ * for M = 200, L = 20 and 256 cells a side (test_full_point.c, fine_grids_take_few_iterations). */
 enum { CYCLE_WIDER = 2 };
 
-/* Factors of the band of one system. They may precondition the next systems of a Newton iteration
- * as well. */
+/* Factors of the band of one system. These factors may also precondition the next systems of
+ * Newton's iteration. */
 typedef struct near_factors {
-    void *numeric; // NULL: none, as with a multigrid cycle
+    void *numeric; // factors by UMFPACK; NULL: none, as with a multigrid cycle
     double control[UMFPACK_CONTROL];
     size_t num_unknowns;
-    size_t *unknown; // [num_unknowns] nodes
+    size_t *unknown; // [num_unknowns] nodes of the unknowns
     size_t *index;   // [num_nodes] place of a node in `unknown`, or NO_NODE
     double *border;  // [num_unknowns] w = B^-1 c
     double border_pivot;
-    size_t own_iterations, last_iterations; // of the system that was factorised, and of the last
-                                            // system
+    size_t own_iterations, last_iterations; // GMRES iterations of the system that was factorised,
+                                            // and of the last system
 } near_factors;
 
 struct gmres_workspace {
@@ -60,11 +60,11 @@ struct gmres_workspace {
     double *response; // [num_nodes] deflection of `spread`
     double *approach; // [size] c, the column of H0
     near_factors factors;
-    multigrid *cycle;         // in place of the factors of the band; NULL: none
+    multigrid *cycle;         // multigrid, in place of the factors of the band; NULL: none
     size_t part;              // nodes of one part of the work that threads share
     double *of_part;          // [parts of num_nodes] sum of each part
-    double *right, *solution; // [size] right side and solution of the factors
-    // B by rows, which UMFPACK reads as the columns of the transpose
+    double *right, *solution; // [size] right side and solution of a system with the factors
+    // B, stored by rows; UMFPACK reads the rows as columns of the transpose
     int *row_start; // [size + 1]
     int *column;    // [capacity]
     double *value;  // [capacity]
@@ -72,7 +72,7 @@ struct gmres_workspace {
     size_t capacity;
     double *solve_work; // [5 size]
     int *solve_index;   // [size]
-    arena memory;       // of all arrays
+    arena memory;       // memory of all arrays
 };
 
 gmres_workspace *gmres_workspace_free(gmres_workspace *self) {
@@ -135,7 +135,7 @@ gmres_workspace *gmres_workspace_create(const ehd_grid *grid, const full_setting
 
 // ---- work that threads share, by parts of the unknowns or of the nodes
 
-/* Context of shared work: a vector [size] to write and one to read. */
+/* Context of shared work: a vector [size] to write and a vector to read. */
 typedef struct vectors {
     full_system *system;
     double *to;
@@ -157,7 +157,7 @@ static void share_nodes(full_system *system, team_task *task, vectors *context) 
     team_share(system->threads, system->grid->num_nodes, work->part, task, context);
 }
 
-/* Returns the sum over the parts of the unknowns, in their order. */
+/* Returns the sum over all parts of the unknowns, added up in the order of the parts. */
 static double sum_of_parts(const full_system *system) {
     const gmres_workspace *work = system->workspace;
     const size_t num_parts = team_num_parts(system->num_unknowns, work->part);
@@ -168,7 +168,7 @@ static double sum_of_parts(const full_system *system) {
     return sum;
 }
 
-/* Writes the values of the unknowns to all nodes, and zero to the others. */
+/* Writes the values of the unknowns to their nodes, and zero to all other nodes. */
 static void spread_nodes(void *context, const team_part *part) {
     const vectors *task = context;
     const size_t *index = task->system->index;
@@ -177,7 +177,8 @@ static void spread_nodes(void *context, const team_part *part) {
         task->to[k] = index[k] == NO_NODE ? 0 : task->from[index[k]];
 }
 
-/* Computes y = J x at the unknowns, and for each part its sum in the load balance. */
+/* Computes y = J x at the unknowns of a part, and the sum that this part contributes to the load
+ * balance. */
 static void apply_rows(void *context, const team_part *part) {
     const vectors *task = context;
     const full_system *system = task->system;
@@ -210,7 +211,8 @@ static void apply_jacobian(double *y, const double *x, full_system *system) {
 
     share_nodes(system, spread_nodes, &(vectors){.to = work->spread, .from = x});
     deflection_apply(work->response, system->deflection, work->spread);
-    for (size_t i = 0; system->outer && i < system->outer->num; i++) { // far field: no deflection
+    for (size_t i = 0; system->outer && i < system->outer->num; i++) { // pressures of the far field
+                                                                       // cause no deflection
         const size_t node = system->outer->index[i];
         work->spread[node] = system->outer->by_approach[node] * x[num_passive];
     }
@@ -219,10 +221,10 @@ static void apply_jacobian(double *y, const double *x, full_system *system) {
         system->closure_approach * x[num_passive] + system->closure_load * sum_of_parts(system);
 }
 
-/* Columns and lines around a row's node that have entries in the band. They are the columns and
- * lines of the stencil; on a line contact, the near field is added. On a point contact wider rows
- * cost more in the factors than they save in iterations. For a multigrid cycle the rows are first
- * `wider` by some columns. */
+/* Columns and lines around a row's node that have entries in the band. These are the columns and
+ * lines of the stencil and, on a line contact, the columns of the near field. On a point contact,
+ * wider rows would cost more time in the factors than they save in iterations. For a multigrid
+ * cycle, rows are computed with `wider` more columns at each end. */
 typedef struct reach {
     ptrdiff_t first_column, last_column, first_line, last_line;
 } reach;
@@ -242,10 +244,11 @@ static reach reach_of(const ehd_grid *grid, size_t node, ptrdiff_t near_field, p
                    wanted.last_line > last_line ? last_line : wanted.last_line};
 }
 
-/* Adds by_film times the shifted near field of a line's cells at a node `apart` lines away. On a
- * wide ellipse the next line is farther away than the end of the near field along the line. That
- * line is left out, because its entries would be negative. With these entries a cold start of b/a =
- * 9.4 (81 by 49 nodes, M = 1429, L = 16) takes 960 iterations, without them 95. */
+/* Adds the derivatives of the film at a node by the pressures of a line that is `apart` lines away,
+ * times by_film. The derivatives are the shifted near field of the kernel. On a wide ellipse, the
+ * next line is farther away than the end of the near field along a line. Then the next line is left
+ * out, because its entries would be negative. With these entries a cold start of b/a = 9.4 (81 by
+ * 49 nodes, M = 1429, L = 16) takes 960 iterations, without them 95. */
 static void add_near_line(double *window, const reach *at, double by_film, ptrdiff_t column,
                           ptrdiff_t apart, const full_system *system) {
     const ptrdiff_t m = (ptrdiff_t)system->near_field;
@@ -261,7 +264,7 @@ static void add_near_line(double *window, const reach *at, double by_film, ptrdi
 }
 
 /* Computes the row of a node in the band matrix: its entries by grid line and column in `window`,
- * and its entry for H0 in `approach`. */
+ * and its entry for H0 in `approach`. Returns the lines and columns of the window. */
 static reach near_row(double *window, double *approach, const full_system *system, size_t row_node,
                       ptrdiff_t wider) {
     const ehd_grid *grid = system->grid;
@@ -451,7 +454,8 @@ static void sum_weighted(void *context, const team_part *part) {
     work->of_part[part->number] = sum;
 }
 
-/* Returns the sum of a vector at the factors' unknowns with the weights of the load balance. */
+/* Returns the sum of a vector over the unknowns of the factors, with the weights of the load
+ * balance. */
 static double weighted_sum(const double *vector, full_system *system) {
     const gmres_workspace *work = system->workspace;
     const size_t count = work->factors.num_unknowns;
@@ -464,7 +468,8 @@ static double weighted_sum(const double *vector, full_system *system) {
     return sum;
 }
 
-/* Computes w = B^-1 c and the closure's pivot. Returns false if the system is singular. */
+/* Computes w = B^-1 c and the pivot of the closure's row. Returns false if the system is
+ * singular. */
 static bool solve_border(full_system *system) {
     gmres_workspace *work = system->workspace;
     near_factors *factors = &work->factors;
@@ -494,13 +499,13 @@ static bool renew_factors(full_system *system) {
     return solve_border(system);
 }
 
-/* Number of iterations that take as long as new factors. On 65 by 65 nodes in time new factors take
- * 3.8 ms and an iteration 0.35 ms. On a line contact of 1201 nodes factors take 1.1 ms and an
- * iteration 0.1 ms (test_gmres.c, factors_serve_the_whole_step). */
+/* Number of GMRES iterations that take as long as new factors. In a transient run on 65 by 65
+ * nodes, new factors take 3.8 ms and an iteration 0.35 ms. On a line contact of 1201 nodes factors
+ * take 1.1 ms and an iteration 0.1 ms (test_gmres.c, factors_serve_the_whole_step). */
 static const size_t COST_OF_FACTORS = 10;
 
-/* Checks whether keeping the factors of an earlier system saves more time than its additional
- * iterations take. */
+/* Checks whether the time that kept factors save exceeds the time of the additional iterations that
+ * they cause. */
 static bool factors_serve(const near_factors *factors) {
     return factors->numeric &&
            factors->last_iterations <= factors->own_iterations + COST_OF_FACTORS;
@@ -516,8 +521,8 @@ static double own_entry(const full_system *system, size_t node) {
     return (row->by_pressure[NODE_HERE] + row->by_film[NODE_HERE] * kernel) * system->row_scale[r];
 }
 
-/* Copies x at the unknowns of the factors. The copy is zero at nodes that are no unknowns of this
- * system. */
+/* Copies x at the unknowns of the factors. The copy is zero at nodes that are no unknowns of the
+ * present system. */
 static void take_known(void *context, const team_part *part) {
     const vectors *task = context;
     const full_system *system = task->system;
@@ -545,10 +550,11 @@ static void add_border(void *context, const team_part *part) {
     }
 }
 
-/* Computes y = [B c; closure]^-1 x with the factors, which may be those of an earlier system.
- * Unknowns that only the earlier system had are zero. The row of a new unknown has only the entry
- * at its own node. The rows of the earlier system may have another scaling. To undo this scaling
- * would save no iterations, with loads of +-10 and +-50 %. */
+/* Computes y = [B c; closure]^-1 x with the factors. If the factors belong to an earlier system:
+ * - Unknowns that only the earlier system had are zero.
+ * - The row of a new unknown has only the entry at its own node.
+ * - The rows may have had another scaling. Undoing this scaling saves no iterations (measured with
+ *   loads that vary by +-10 and +-50 %). */
 static void precondition(double *y, const double *x, full_system *system) {
     gmres_workspace *work = system->workspace;
     const near_factors *factors = &work->factors;
@@ -592,7 +598,8 @@ typedef struct projection {
     double *fresh;
     const double *before; // `factor` times this vector is subtracted first; NULL: nothing
     double factor;
-    const double *with; // its product with `fresh` is computed next; NULL: the norm of `fresh`
+    const double *with; // the product of this vector and `fresh` is computed next; NULL: the norm
+                        // of `fresh`
 } projection;
 
 static void project_part(void *context, const team_part *part) {
@@ -626,7 +633,7 @@ static void scale_part(void *context, const team_part *part) {
     cblas_dscal((int)(part->end - part->first), task->factor, task->fresh + part->first, 1);
 }
 
-/* Scales a new vector of the basis to length 1. Returns its length before. */
+/* Scales a new vector of the basis to length 1. Returns the length that it had before. */
 static double normalise(projection *task, size_t size, team *threads) {
     task->with = NULL;
     const double length = project(task, size, threads);
@@ -686,8 +693,8 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
 
     const bool kept = system->keeps_factors && factors_serve(&work->factors);
     if (!kept) {
-        // if memory is refused, UMFPACK may choose another order that needs less,
-        // with other round-off
+        // If memory is refused, UMFPACK may choose another order of the unknowns that needs less
+        // memory. The solution would then have other round-off, so refused memory is an error.
         errno = 0;
         const bool renewed = renew_factors(system), refused = errno == ENOMEM;
         if (!renewed || refused) umfpack_di_free_numeric(&work->factors.numeric);
@@ -711,7 +718,7 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
     *iterations = k;
     if (!kept) work->factors.own_iterations = k;
     work->factors.last_iterations = k;
-    if (program_interrupted()) // the step would not be reproducible
+    if (program_interrupted()) // an incomplete step would not be reproducible
         return ehd_fail(error, EHD_INTERRUPTED, "full model: interrupted");
 
     // back substitution, then dz = M^-1 (V y)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Makes the memory of GMRES, which solves the linear systems of Newton (README.md, Linear
+/* Allocates the memory of GMRES, which solves the linear systems of Newton (README.md, Linear
  * systems). The solver itself, full_solve_gmres, is declared in full_solver.h.
  * Called by full_solver.c, which calls full_solve_gmres in each Newton iteration. */
 #ifndef EHD_GMRES_H

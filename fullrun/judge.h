@@ -8,18 +8,19 @@
 
 enum { JUDGE_REASON = 256 }; // bytes, with the closing zero
 
-/* Returns whether a solution may be used, and the reason if not, else "":
- * - EHD_NOT_CONVERGED: the solver has not converged, the exit boundary is not inside the
- *   domain, or a pressure exceeds the limit of the viscosity law.
+/* Returns whether a solution may be used. `reason` says why not, or is "":
+ * - EHD_NOT_CONVERGED: the solver has not converged, the exit boundary is not inside the domain, or
+ *   a pressure exceeds the limit of the viscosity law.
  * - EHD_UNTRUSTED: the equations do not hold for the thinned flow (reynolds_flow_doubt).
- * - EHD_OK: it may be used. */
+ * - EHD_OK: the solution may be used. */
 ehd_status full_judge(
     // output:
     char reason[JUDGE_REASON],
     // input:
     const full_info *info, const full_state *state, const ehd_contact *contact);
 
-/* Returns the largest reynolds_flow_doubt on the grid, 0 if no flow is thinned. */
+/* Returns the largest error bound of thinned rows on the grid (reynolds_flow_doubt), or 0 if the
+ * flow is not thinned. */
 double full_flow_doubt(const full_state *state, const ehd_contact *contact);
 
 /* Checks whether a pressure exceeds the limit of the viscosity law. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fullrun: solves one scene with the full model (README.md). It reads options and the scene, calls
- * the solver or the march, and writes the result.
+/* fullrun: solves one scene with the full model (README.md). The program reads options and the
+ * scene, calls the solver or the march, and writes the result.
  * Called from the command line, and by the pipelines in scenes. */
 #include "common/output/check.h"
 #include "common/output/grid_file.h"
@@ -39,7 +39,8 @@ typedef struct fullrun_options {
     size_t repeats; // number of solutions, whose median time is reported
     bool resume;
     size_t num_jobs;
-    team *threads; // num_jobs of them, for the work on a large grid; NULL: none
+    team *threads; // team of num_jobs threads for the work on a large grid; NULL: one thread does
+                   // all work
 } fullrun_options;
 
 // clang-format off
@@ -72,8 +73,8 @@ static void print_settings(void) {
 
 // ---- the start
 
-/* Sets the state to that of a stored result. EHD_DATA: it has no fields or another grid, or it
- * did not converge. */
+/* Sets the state from a stored result. EHD_DATA: the result has no fields, has another grid, or did
+ * not converge. */
 static ehd_status set_start(full_state *state, const ehd_grid *grid, const stored_result *stored,
                             const char *path, ehd_error *error) {
     size_t centre = (size_t)ceil(-grid->x_min / grid->step) + 1, exit = grid->num_nodes - 1;
@@ -150,8 +151,8 @@ static int compare_seconds(const void *left, const void *right) {
     return (a > b) - (a < b);
 }
 
-/* Solves --repeat times, from `first` with --start, else by a cold start. *info is
- * the run of median time. */
+/* Solves the contact as many times as --repeat gives. With --start each solution starts from
+ * `first`, else cold. *info: the solution with the median time. */
 static ehd_status solve_again(full_info *info, full_state *state, full_solver *solver,
                               const full_state *first, const ehd_contact *contact,
                               const fullrun_options *options, ehd_error *error) {
@@ -172,12 +173,14 @@ static ehd_status solve_again(full_info *info, full_state *state, full_solver *s
     return status;
 }
 
-/* Progress of a solution of a point contact, which may take long. It is shown on stderr. */
+/* Progress of the solution of a point contact, which may take long. The progress is shown on
+ * stderr. */
 typedef struct long_work {
     progress shown;
-    const ehd_grid *grid;      // of the contact
-    size_t num_inner;          // of the grid that is solved now
-    size_t before, iterations; // on this grid: before the last start of Newton, and in all
+    const ehd_grid *grid;      // grid of the contact
+    size_t num_inner;          // inner nodes of the grid that is solved now
+    size_t before, iterations; // Newton iterations on this grid: before the last start of Newton,
+                               // and in all
 } long_work;
 
 /* Returns the part of the whole work that is done when a grid and all coarser ones are solved. */
@@ -188,8 +191,8 @@ static double work_up_to(const ehd_grid *grid, const ehd_grid *finest) {
 }
 
 /* Returns the Newton iterations that a grid may still take. Below a scaled residual of 0.01, where
- * Newton converges quadratically, it returns three. Above 0.01 it returns the iterations so far or,
- * if that is larger, the number still missing to eight. */
+ * Newton converges quadratically, it returns three. Above 0.01 it returns the iterations so far, or
+ * the number that is missing to eight iterations if this number is larger. */
 static double iterations_left(double iterations, double residual) {
     return residual < 0.01 ? 3 : fmax(8 - iterations, iterations);
 }
@@ -287,7 +290,7 @@ static void note_resolution(const program *self, const full_resolution *resoluti
             path, 100 * film_effects_of_rolling(&resolution->effects));
 }
 
-/* Writes the resolution to the file, unless this is NULL, and prints a note if an error estimate is
+/* Writes the resolution to the file, unless `file` is NULL. Prints a note if an error estimate is
  * large. */
 static ehd_status report_resolution(artefact *file, const program *self,
                                     const full_resolution *resolution, const ehd_contact *contact,
@@ -304,7 +307,8 @@ static void print_start(const char *path, double film, const run_result *result)
            film / result->central_film_thickness - 1);
 }
 
-/* Allocates and lists X of the exit on each grid line. NULL for a line contact. EHD_MEMORY. */
+/* Lists X of the exit on each grid line in a new array. For a line contact *exits is NULL.
+ * EHD_MEMORY. */
 static ehd_status make_exits(double **exits, const full_state *state, const ehd_contact *contact,
                              ehd_error *error) {
     const ehd_grid *grid = &contact->grid;
@@ -369,13 +373,13 @@ static ehd_status solve_stationary(stationary_run *self, ehd_error *error) {
 }
 
 /* Largest number of times that the program halves its default step. Line contacts and contacts with
- * b/a from 0.05 to 20 were solved, with M from 0.1 to 2000 and L from 0 to 25. If the default step
- * was too coarse, one halving was enough (README.md, Default grid). On a point contact a halving
- * takes four times as many nodes. */
+ * b/a from 0.05 to 20 were solved, with M from 0.1 to 2000 and L from 0 to 25. Wherever the default
+ * step was too coarse, one halving was enough (README.md, Default grid). On a point contact each
+ * halving makes the number of nodes four times as large. */
 enum { MAX_HALVINGS = 2 };
 
-/* Halves the default step if it does not resolve the contact. Returns whether it did. The finer
- * grid must fit in memory, and have at most as many nodes as a grid may have. */
+/* Halves the default step if this step does not resolve the contact. Returns whether the step was
+ * halved. The finer grid must fit in memory and must not exceed the largest number of nodes. */
 static bool halve_step(ehd_contact *finer, const stationary_run *self) {
     const fullrun_options *options = self->options;
     const film_effects *effects = &self->resolution.effects;
@@ -400,7 +404,7 @@ static bool halve_step(ehd_contact *finer, const stationary_run *self) {
     return true;
 }
 
-/* Writes the result to the file, unless this is NULL, and prints it. */
+/* Prints the result, and writes it to *file unless *file is NULL. */
 static ehd_status report_stationary(artefact **file, const stationary_run *self, ehd_error *error) {
     const char *path = self->caller->arguments[0];
     const ehd_contact *contact = self->contact;
@@ -443,12 +447,13 @@ static ehd_status report_stationary(artefact **file, const stationary_run *self,
     return status;
 }
 
-/* Creates the file of a result on the run's grid, and closes the file of another grid. */
+/* Creates the file for a result on the grid of this run. Closes the file that was created for
+ * another grid. */
 static ehd_status start_file(artefact **file, const stationary_run *self, const char *text,
                              ehd_error *error) {
     const program *caller = self->caller;
     const fullrun_options *options = self->options;
-    const char *inputs[4] = {caller->arguments[0]}; // the last one: NULL
+    const char *inputs[4] = {caller->arguments[0]}; // ends with NULL
 
     artefact_close(file);
     if (!caller->output) return EHD_OK;
@@ -586,7 +591,7 @@ static ehd_status check_usage(const program *self, const fullrun_options *option
     return EHD_OK;
 }
 
-/* Gives the contact the grid of --grid-of. */
+/* Gives the contact the grid of --grid-of, if this option is given. */
 static ehd_status take_grid(ehd_contact *contact, const scene *given, const char *path,
                             ehd_error *error) {
     const contact_kind *kind;

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A cycle of multigrid (A. Brandt, Math. Comp. 31, 1977; W. Hackbusch, Multi-Grid Methods and
- * Applications, Springer 1985):
- * 1. Solves the odd lines, which do not touch one another, then the even ones.
- * 2. Carries the residual to a coarser grid of every other node and line, whose matrix is the
- *    Galerkin product, and solves this grid in the same way.
- * 3. Carries the correction back, and solves the odd lines again, then the even ones.
+/* Runs cycles of multigrid (A. Brandt, Math. Comp. 31, 1977; W. Hackbusch, Multi-Grid Methods and
+ * Applications, Springer 1985). A cycle has three stages:
+ * 1. It solves the odd lines, which do not touch one another, then the even lines.
+ * 2. It carries the residual to a coarser grid with every other node and line. The matrix of this
+ *    grid is the Galerkin product. The coarser grid is solved in the same way.
+ * 3. It carries the correction back, and solves the odd lines again, then the even lines.
  *
- * Where the entrainment carries fluid along the lines, the solutions of single lines are nearly the
- * whole solution. Where the pressure flow is large in both directions, the coarser grids are
- * needed. The stencil has the same size on all grids. If the flow across the lines is much larger
- * than along them, as in a narrow ellipse, the coarser grid keeps all nodes of a line. Otherwise an
- * error would remain that varies from node to node along the lines and hardly across.
+ * Where the entrainment dominates, lines hardly influence each other, and solving single lines is
+ * nearly enough. Where the pressure flow is large in both directions, the coarser grids are needed.
+ * The stencil has the same size on all grids. If the flow across the lines is much larger than the
+ * flow along them, as in a narrow ellipse, the coarser grid keeps all nodes of a line. Otherwise an
+ * error would remain that varies from node to node along the lines, but hardly from line to line.
  *
- * The even lines, which the coarser grid has too, are solved last. Their residual is then zero. The
- * odd lines need no correction, since they are solved first. */
+ * In stage 1 the even lines, which the coarser grid has too, are solved last, so their residual is
+ * zero. In stage 3 the odd lines are solved first, so they need no correction. */
 #include "fullrun/multigrid.h"
 
 #include "common/program/arena.h"
@@ -24,13 +24,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* COARSEST: on the coarsest grid, which a band matrix solves, the smaller one of the numbers of
- * lines and of columns is at most COARSEST. With 4 the cycles converge too slowly
- * (test_multigrid.c, cycles_converge_on_any_grid). MAX_LEVELS: largest number of grids. */
+/* A grid is the coarsest one if it has at most COARSEST lines or at most COARSEST columns. A band
+ * matrix solves it. With COARSEST = 4 the cycles converge too slowly (test_multigrid.c,
+ * cycles_converge_on_any_grid). MAX_LEVELS is the largest number of grids. */
 enum { COARSEST = 40, MAX_LEVELS = 20 };
 
-/* Factors L U of a line's matrix at a node: entries of L for two nodes and one node back, the
- * reciprocal of the diagonal of U, and the entry of U ahead. */
+/* Factors L U of a line's matrix at a node: the entries of L for the second node back and the first
+ * node back, the reciprocal of the diagonal entry of U, and the entry of U for the node ahead. */
 enum { BY_BACK2, BY_BACK, BY_HERE, BY_AHEAD, NUM_LINE_FACTORS };
 
 /* Approximate number of nodes in one part of the work that threads share. */
@@ -38,8 +38,9 @@ enum { PART = 2048 };
 
 typedef struct level {
     size_t columns, lines, num;
-    size_t stride;      // columns of the finer level per column of this one, 1 or 2
-    double flow_across; // flow between two nodes across the lines, divided by that along them
+    size_t stride;      // columns of the finer level per column of this level, 1 or 2
+    double flow_across; // flow between two nodes across the lines, divided by the flow between two
+                        // nodes along them
     size_t lines_of_part;
     bool mirrored;    // the first line is a mirror line
     bool *unknown;    // [num]
@@ -49,7 +50,8 @@ typedef struct level {
     double *solution; // [num]
 } level;
 
-/* Shape of a band matrix in LAPACK: diagonals below and above, and rows in memory. */
+/* Shape of a band matrix in LAPACK: numbers of diagonals below and above the main diagonal, and of
+ * rows in memory. */
 typedef struct band_shape {
     int below, above, rows;
 } band_shape;
@@ -57,8 +59,8 @@ typedef struct band_shape {
 struct multigrid {
     level levels[MAX_LEVELS]; // the finest first
     size_t num;
-    double *rest;         // [num of the finest] residual of the odd lines
-    team *threads;        // NULL: none
+    double *rest;         // [num of the finest level] residual of the odd lines
+    team *threads;        // NULL: one thread does all work
     atomic_bool singular; // whether a line's matrix is singular
     // LU factors by LAPACK of the coarsest level's band, with nodes in the order of band_place
     band_shape shape;
@@ -73,8 +75,8 @@ static bool is_coarsest(const level *self) {
 }
 
 /* Ratio of the flow across the lines to the flow along them, above which a coarser grid keeps all
- * nodes of a line. If the grid dropped nodes then, GMRES would stall (README.md, Large point
- * contacts; test_multigrid.c, cycles_converge_on_narrow_ellipses). */
+ * nodes of a line. If the coarser grid dropped every other node of such lines, GMRES would stall
+ * (README.md, Large point contacts; test_multigrid.c, cycles_converge_on_narrow_ellipses). */
 static const double MUCH_ACROSS = 4;
 
 static level coarser(const level *fine) {
@@ -97,8 +99,8 @@ static level finest(const ehd_grid *grid) {
                    .mirrored = grid->half};
 }
 
-/* Returns the place of a node of the coarsest grid in the band. The shorter side comes first, so
- * that the band is narrow however long the other side is. */
+/* Returns the place of a node of the coarsest grid in the band. Nodes are numbered along the
+ * shorter side first, so that the band is narrow however long the other side is. */
 static size_t band_place(const level *self, size_t column, size_t line) {
     return self->lines <= self->columns ? column * self->lines + line
                                         : line * self->columns + column;
@@ -190,8 +192,8 @@ const double *multigrid_solution(const multigrid *self) {
 /* Context of work on all lines of a level, or on every other one. */
 typedef struct lines_task {
     multigrid *of;
-    level *here, *coarse; // the level, and the next one
-    size_t first_line;    // of every other line: 0 or 1
+    level *here, *coarse; // the level, and the next coarser level
+    size_t first_line;    // first line if the work is on every other line: 0 or 1
 } lines_task;
 
 static void share_lines(multigrid *self, size_t lines, const level *size_of, team_task *task,
@@ -210,7 +212,8 @@ static void clear_others(void *context, const team_part *part) {
             const size_t node = l * self->columns + c;
             double *row = self->row + node * CYCLE_ENTRIES;
             for (size_t a = 0; a < CYCLE_ENTRIES; a++) {
-                const size_t line = l + a / CYCLE_COLUMNS - 1; // below line 0 it wraps around
+                const size_t line = l + a / CYCLE_COLUMNS - 1; // below line 0 this number wraps
+                                                               // around
                 const size_t column = c + a % CYCLE_COLUMNS - CYCLE_BACK;
                 const bool there = line < self->lines && column < self->columns;
                 if (!there || !self->unknown[node] || !self->unknown[line * self->columns + column])
@@ -237,14 +240,14 @@ static void add_interpolated(double *row, double entry, size_t fine_line, size_t
 }
 
 /* Returns the weight of a fine line's residual in the residual of coarse line l. At a mirror line
- * the line above also stands for the line below. */
+ * the line above also counts for the line below, its mirror image. */
 static double weight_of_line(const level *fine, size_t l, size_t fine_line) {
     if (fine_line == 2 * l) return 1;
     return fine->mirrored && l == 0 ? 1 : 0.5;
 }
 
-/* Returns the first fine line or column around a coarse one, with `stride` fine ones per coarse
- * one. end_around returns the end of these lines or columns. */
+/* Return the first of the fine lines around a coarse line, and the end of these fine lines. There
+ * are `stride` fine lines for each coarse line. Both functions also work for columns. */
 static size_t first_around(size_t coarse, size_t stride) {
     return coarse > 0 ? stride * coarse - (stride - 1) : 0;
 }
@@ -357,8 +360,8 @@ bool multigrid_prepare(multigrid *self) {
 
 // ---- a cycle
 
-/* Subtracts from `value` the products of a line's rows with the solution on the line above
- * (`above`) or below. */
+/* Subtracts from `value` the products of a line's rows with the solution on a neighbouring line:
+ * the line above if `above` is set, else the line below. */
 static void subtract_line(double *value, const level *self, size_t line, bool above) {
     const size_t width = self->columns;
     const double *other = self->solution + (above ? line + 1 : line - 1) * width;
@@ -394,8 +397,8 @@ static void solve_line(level *self, const double *value, size_t line) {
     }
 }
 
-/* Solves every other line from a start of zero, at which the lines beside
- * it contribute nothing. */
+/* Solves every other line at the beginning of a cycle. The solution is zero then, so the
+ * neighbouring lines contribute nothing. */
 static void begin_lines(void *context, const team_part *part) {
     const lines_task *task = context;
     level *self = task->here;
@@ -411,7 +414,7 @@ static void subtract_neighbours(double *value, const level *self, size_t line) {
     if (line + 1 < self->lines) subtract_line(value, self, line, true);
 }
 
-/* Solves every other line with the present solution on the lines beside it. */
+/* Solves every other line with the present solution on its neighbouring lines. */
 static void solve_lines(void *context, const team_part *part) {
     const lines_task *task = context;
     level *self = task->here;
@@ -469,8 +472,7 @@ static double value_at_column(const double *of_line, size_t column, const level 
            (of_line[column / 2] + (column / 2 + 1 < coarse->columns ? of_line[column / 2 + 1] : 0));
 }
 
-/* Adds the correction to the lines that the coarser grid has. The lines between them are solved
- * next. */
+/* Adds the correction to the lines that the coarser grid has. The other lines are solved next. */
 static void add_correction(void *context, const team_part *part) {
     const lines_task *task = context;
     const level *fine = task->here, *coarse = task->coarse;

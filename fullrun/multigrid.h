@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes an approximate inverse of a sparse matrix on the nodes of a large point contact, in
- * place of its factors: a cycle of multigrid with relaxation by lines (fullrun/README.md, Large
+/* Solves a sparse linear system on the nodes of a large point contact approximately. One cycle of
+ * multigrid with relaxation by lines replaces the factors of the matrix (fullrun/README.md, Large
  * point contacts).
  * Called by gmres.c as the preconditioner. */
 #ifndef EHD_MULTIGRID_H
@@ -11,15 +11,16 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Entries of the row of node (line l, column c), [CYCLE_LINES, CYCLE_COLUMNS]: lines l - 1 to
- * l + 1, columns c - 2 to c + 1. */
+/* Size of a row of the matrix. The row of the node in line l and column c has entries [CYCLE_LINES,
+ * CYCLE_COLUMNS] for lines l - 1 to l + 1 and columns c - 2 to c + 1. */
 enum { CYCLE_BACK = 2, CYCLE_COLUMNS = CYCLE_BACK + 2, CYCLE_LINES = 3 };
 enum { CYCLE_ENTRIES = CYCLE_LINES * CYCLE_COLUMNS };
 
 typedef struct multigrid multigrid;
 
 /* Creates a cycle for the inner nodes of a grid. Returns NULL if there is no memory. `threads`
- * share the lines, and the caller frees them after the cycle. NULL: none. */
+ * share the work on the lines; if `threads` is NULL, one thread does all work. The caller frees the
+ * threads after the cycle. */
 multigrid *multigrid_create(const ehd_grid *grid, team *threads);
 multigrid *multigrid_free(multigrid *self); // accepts and returns NULL
 
@@ -30,16 +31,17 @@ double multigrid_bytes(const ehd_grid *grid);
  * if the matrix of a line or of the coarsest grid is singular. */
 bool multigrid_prepare(multigrid *self);
 
-/* Return the arrays for the caller to fill: the rows, [num_inner, CYCLE_ENTRIES], and which nodes
- * are unknowns, [num_inner]. Entries in rows and columns of other nodes are ignored. */
+/* Return two arrays for the caller to fill: the rows, [num_inner, CYCLE_ENTRIES], and marks for the
+ * nodes that are unknowns, [num_inner]. Entries in rows and columns of other nodes are ignored. */
 double *multigrid_rows(multigrid *self);
 bool *multigrid_unknowns(multigrid *self);
 
-/* Runs one cycle from zero. The solution is a linear function of the right side. */
+/* Runs one cycle with zero as the initial solution. The solution is a linear function of the right
+ * side. */
 void multigrid_cycle(multigrid *self);
 
-/* Return the right side, for the caller to fill, and the solution, [num_inner] each. Both are
- * zero at nodes that are no unknowns. */
+/* Return the right side, which the caller fills, and the solution, [num_inner] each. Both are zero
+ * at nodes that are no unknowns. */
 double *multigrid_right(multigrid *self);
 const double *multigrid_solution(const multigrid *self);
 

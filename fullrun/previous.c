@@ -35,9 +35,9 @@ enum { POINTS = 6 }; // nodes of the interpolation beyond the grid
  * times its load, or the movement of fluid within a few time steps. */
 static ehd_grid wide_grid(const ehd_grid *grid, size_t *margin, size_t *side) {
     // Width of the margin, divided by the largest |X| of the grid. Under 2.25 times the load the
-    // half width of a line grows by sqrt(2.25) - 1 = 0.5, the half width of a point by 0.31. With
-    // 0.05 and more the films of scenes/examples/line-in-time do not change under a load that rises
-    // to 2.25 within T = 0.3.
+    // half width of a line contact grows by sqrt(2.25) - 1 = 0.5, that of a point contact by 0.31.
+    // Measured on scenes/examples/line-in-time under a load that rises to 2.25 within T = 0.3: every
+    // width from 0.05 on gives the same films.
     const double growth = 0.5;
     const double x = fmax(fabs(grid_x(grid, 0)), fabs(grid_x(grid, grid->inner_x + 1)));
     const double y = grid->inner_lines > 1 ? grid_y(grid, grid->num_nodes - 1) : 0;
@@ -163,8 +163,8 @@ void previous_set_base(previous_carrier *self, const previous_state *base, doubl
             surface_height(self->reference.surface, &base->frame, grid_x(grid, k), grid_y(grid, k));
 }
 
-/* Checks whether the entrainment of a frame is opposite to that of the start. At rest, the start is
- * taken as forwards. */
+/* Checks whether the entrainment of a frame is opposite to the entrainment of the start. A start at
+ * rest is taken as forwards. */
 static bool is_reversed(const previous_carrier *self, const contact_frame *frame) {
     return self->base && (self->base->frame.speed < 0 ? frame->speed > 0 : frame->speed < 0);
 }
@@ -213,7 +213,8 @@ void previous_filter(previous_state *self, double share, previous_carrier *carri
     set_values(carrier, self->filtered, base ? carrier->base_film : NULL, share);
     for (size_t k = 0; k < grid->num_nodes; k++) {
         self->filtered[k] = carrier->values[k] - self->filtered[k];
-        // natural splines fit the film without gap, which bends little at the grid's ends
+        // natural splines fit the film minus the gap well, since it bends little at the ends of the
+        // grid
         carrier->values[k] -= grid_gap(grid, k);
     }
     fit_lines(self->deflection, carrier->values, carrier);
@@ -230,7 +231,7 @@ static bool is_on_grid(const previous_carrier *self, double x, double y) {
     return !self->across || (y >= lines[0] && y <= lines[self->num_across - 1]);
 }
 
-/* Fluid that is now at X was at the place stretch X - shift in the frame of a state. */
+/* Origin of the fluid in the frame of a state: fluid that is now at X was at stretch X - shift. */
 typedef struct origin {
     double stretch, shift;
 } origin;
@@ -242,7 +243,8 @@ static double value_near(const spline *self, double x, size_t *near) {
     return spline_value(self, x, *near);
 }
 
-/* Interpolates every line at the origins of the inner nodes' X. */
+/* Interpolates the values on every line at the places from which the fluid at the inner nodes
+ * comes. */
 static void resample_along(double *along, spline *const *splines, origin from,
                            const previous_carrier *self) {
     const ehd_grid *grid = &self->reference.grid;
@@ -258,7 +260,7 @@ static void resample_along(double *along, spline *const *splines, origin from,
     }
 }
 
-/* Collects the values of column `i` on the lines of the whole grid. Those of a half grid are
+/* Collects the values of column `i` on the lines of the whole grid. The values of a half grid are
  * mirrored. */
 static void gather_column(previous_carrier *self, size_t i) {
     const ehd_grid *grid = &self->reference.grid;
@@ -290,7 +292,7 @@ static void resample(double *inner, spline *const *splines, origin from, previou
     }
 }
 
-/* Returns H0 plus deflection at any point, by a sum over the nodes. */
+/* Returns H0 plus deflection at any point, computed as a sum over the nodes. */
 static double deflection_at(const previous_state *self, const ehd_contact *reference, double x,
                             double y) {
     const ehd_grid *grid = &reference->grid;
@@ -321,8 +323,8 @@ static void look_beyond(const previous_state *self, const previous_carrier *carr
     deflection_apply(self->beyond, carrier->deflection, self->beyond);
 }
 
-/* Returns the first of POINTS nodes around a place, which is given in numbers of nodes, and sets
- * their Lagrange weights. */
+/* Sets the Lagrange weights of the POINTS nodes around a place, and returns the number of the first
+ * of these nodes. The place is measured in steps from node 0. */
 static ptrdiff_t lagrange(double weight[POINTS], double place) {
     const double below = floor(place);
 
@@ -335,9 +337,10 @@ static ptrdiff_t lagrange(double weight[POINTS], double place) {
     return (ptrdiff_t)below - (POINTS / 2 - 1);
 }
 
-/* Returns H0 plus deflection at a point beyond the grid. Pressures are so far away that six points
- * of the wide grid give the film there to 1e-8 on steps of 0.19 (test_previous.c). Beyond the wide
- * grid the function sums over the nodes, which takes a hundred times as long. */
+/* Returns H0 plus deflection at a point beyond the grid. All pressures are so far away that the
+ * interpolation between six points of the wide grid has an error of only 1e-8 with a step of 0.19
+ * (test_previous.c). Beyond the wide grid the function sums over the nodes, which takes a hundred
+ * times as long. */
 static double deflection_beyond(const previous_state *self, const previous_carrier *carrier,
                                 double x, double y) {
     const ehd_grid *wide = &carrier->wide;
@@ -361,8 +364,8 @@ static double deflection_beyond(const previous_state *self, const previous_carri
     return sum;
 }
 
-/* Adds `weight` times rho H of a state at the origins of the inner nodes.
- * `surface` NULL: smooth. */
+/* Adds `weight` times rho H of a state, at the places from which the fluid at the inner nodes
+ * comes. `surface`: NULL if smooth. */
 static void add_mass(double *mass, double weight, const previous_state *self,
                      const ehd_surface *surface, origin from, previous_carrier *carrier) {
     const ehd_contact *reference = &carrier->reference;

@@ -16,43 +16,49 @@ typedef struct previous_state {
     contact_frame frame;
     full_state state;
     size_t num_lines;
-    spline **deflection; // [num_lines] film without gap, along each line
-    spline **pressure;   // NULL if incompressible: rho H is then the film
-    double *filtered;    // [num_nodes] change of the film by the filter
-    double *beyond; // [num_nodes of the carrier's wide grid] deflection without H0; the first one
-                    // is NaN until all are computed
+    spline **deflection; // [num_lines] splines of film minus gap, along each line
+    spline **pressure;   // [num_lines] splines of the pressure; NULL if the lubricant is
+                         // incompressible, so that rho H is the film
+    double *filtered;    // [num_nodes] change of the film that the filter causes
+    double *beyond; // [num_nodes of the carrier's wide grid] deflection without H0; beyond[0] is
+                    // NaN until the array is computed
 } previous_state;
 
-/* Memory for carrying states over. */
+/* Memory for carrying states over into the current frame. */
 typedef struct previous_carrier {
     ehd_contact reference;
     double *nodes;           // [width of the grid] X along a line
     double *values;          // [num_nodes] scratch
     double *film, *pressure; // [num_inner] fields of a state, in the current frame
-    double *along;     // [lines, inner_x] at X of the current frame and Y of the state's frame
-    size_t num_across; // lines of the whole grid with its boundary
-    double *lines, *across_values; // [num_across] Y of these lines, and scratch
-    spline *across;                // across the lines; NULL on a line contact
+    double *along;     // [lines, inner_x] values at X of the current frame and Y of the state's
+                       // frame
+    size_t num_across; // number of lines of the whole grid, boundary lines included
+    double *lines, *across_values; // [num_across] Y of the whole grid's lines, and scratch
+    spline *across;                // spline across the lines; NULL on a line contact
     spline **errors;               // [lines] scratch of previous_errors
-    ehd_grid wide;       // the grid with `margin` more columns and `side` more lines at each end
-    size_t margin, side; // (half grid: lines at one end only)
+    ehd_grid wide;                 // the grid with a margin around it
+    size_t margin, side; // numbers of columns and lines that the margin adds at each end; a half
+                         // grid has additional lines at one end only
     ehd_deflection *deflection; // on the wide grid
-    arena memory;               // of all arrays
+    arena memory;               // memory of all arrays
     // for transport along the path:
-    path_filter filter;         // of the difference from the start
-    const previous_state *base; // the start, which is carried at fixed places; NULL: none yet
-    double *base_film;          // [num_nodes] film of the base without a surface at rest
-    double base_until;          // T at which the entrainment first reverses; the base's use ends
+    path_filter filter;         // filter of the difference between a state and the start
+    const previous_state *base; // state of the start, which is carried at fixed places; NULL: the
+                                // base is not set yet
+    double *base_film;          // [num_nodes] film of the base minus the heights of a surface at
+                                // rest
+    double base_until;          // T at which the entrainment first reverses; from then on the base
+                                // is not used
 } previous_carrier;
 
 /* Allocates the memory for states on the reference's grid. Free with previous_carrier_free.
- * Errors: EHD_MEMORY; EHD_DATA: a filter of too many steps. */
+ * Errors: EHD_MEMORY; EHD_DATA: the filter is too many grid steps long. */
 ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *reference,
                                  ehd_error *error);
 void previous_carrier_free(previous_carrier *self);
 
-/* Allocates memory and splines for a state on the reference's grid. Free with
- * previous_free. EHD_MEMORY. */
+/* Allocates memory and splines for a state on the reference's grid. Free with previous_free. Error:
+ * EHD_MEMORY. */
 ehd_status previous_init(previous_state *self, const ehd_contact *reference, ehd_error *error);
 void previous_free(previous_state *self);
 
@@ -60,17 +66,17 @@ void previous_free(previous_state *self);
 double previous_bytes(const ehd_contact *reference, size_t num_states);
 
 /* Sets the base. Only the difference of a state from the base is carried along the path of the
- * fluid; the rows contain the base (common/time/README.md, Along the path). The caller keeps and
- * prepares the base. `until` is the time T up to which it is used, INFINITY if that is not
- * known. */
+ * fluid. The Reynolds rows contain the entrainment of the base (common/time/README.md, Along the
+ * path). The caller owns the base and prepares it. `until` is the time T up to which the base is
+ * used; INFINITY: this time is not known. */
 void previous_set_base(previous_carrier *self, const previous_state *base, double until);
 
 /* Returns the base for a state in a frame, or NULL from the first reversal
  * of the entrainment on. */
 const previous_state *previous_base(const previous_carrier *self, const contact_frame *frame);
 
-/* Ends the use of the base if a state that is accepted in this frame has the
- * opposite entrainment. */
+/* Ends the use of the base if the entrainment of this frame is opposite to that of the base. To be
+ * called with the frame of each accepted state. */
 void previous_watch_base(previous_carrier *self, const contact_frame *frame);
 
 /* Computes the splines of a state. With transport along the path, filters its film and pressure
@@ -82,9 +88,9 @@ void previous_prepare(previous_state *self, previous_carrier *carrier);
 void previous_filter(previous_state *self, double share, previous_carrier *carrier);
 
 /* Interpolates rho H of a previous state at the inner nodes of frame `now`. With transport along
- * the path, it interpolates at the places where the fluid of these nodes was. If the contact has
- * grown or fluid comes from outside, some places lie beyond the state's grid. There P is zero, and
- * gap and deflection are evaluated. */
+ * the path, it interpolates at the places where the fluid of these nodes was in that state. If the
+ * contact has grown or fluid comes from outside, some places lie beyond the state's grid. At these
+ * places P is taken as zero, and the film is computed from gap and deflection. */
 void previous_mass(
     // output:
     double *mass, // [num_inner]

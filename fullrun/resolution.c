@@ -13,7 +13,7 @@
 typedef struct central_line {
     const double *pressure, *film; // [num_nodes], boundary nodes included
     size_t num_nodes;
-    size_t centre; // node at X = 0 or the first behind it
+    size_t centre; // node at X = 0, or the first node behind X = 0
     size_t exit;   // first node behind the pressurised zone
 } central_line;
 
@@ -30,23 +30,24 @@ static central_line central_line_of(const full_state *state, const ehd_grid *gri
     return line;
 }
 
-/* Source: P. J. Roache (J. Fluids Eng. 116, 1994) gives 1.25 for three grids. The constant is the
- * factor that turns an estimate into a bound. */
+/* Source: P. J. Roache (J. Fluids Eng. 116, 1994) gives 1.25 for three grids. This factor turns an
+ * estimate into a bound. */
 static const double SAFETY = 1.25;
 
-/* Factor that turns the estimate of a point or elliptic contact's domain into a bound. It comes from
- * two domains; for two grids Roache gives 3. With 1.25 the estimates of five of 113 random ellipses
- * were below their errors, with 1.5 one is (README.md, Estimates of inlet and step; boundary.bats,
- * "the effect of the domain is found"). */
+/* Factor that turns the error estimate for the domain of a point or elliptic contact into a bound.
+ * The estimate compares two domains; for two grids Roache gives a factor of 3. For five of 113
+ * random ellipses an estimate with the factor 1.25 is below the error; with the factor 1.5 this
+ * holds for one ellipse (README.md, Estimates of inlet and step; boundary.bats, "the effect of the
+ * domain is found"). */
 static const double SAFETY_OF_DOMAIN = 1.5;
 
 const double resolution_limit = 0.03;
 
 /* Longest grid step, in half widths, on which the effect of a point contact's domain is estimated.
  * Estimates were compared with the true effect in 67 random scenes (scenes/studies/discretization).
- * On grids with a step of 1 two of the estimates were only 0.3 and 0.7 times the effect. With a
- * step of 0.5 they are 0.9 and 1.2 times the effect (boundary.bats, "the effect of the domain is
- * found"). */
+ * On grids with a step of 1 two of the estimates were only 0.3 and 0.7 times the effect. On grids
+ * with a step of 0.5 these two estimates are 0.9 and 1.2 times the effect (boundary.bats, "the
+ * effect of the domain is found"). */
 static const double COARSEST_FOR_DOMAIN = 0.5;
 
 /* Films, and the rolling moment, to which the rolling resistance is proportional. */
@@ -56,8 +57,8 @@ typedef struct film_pair {
 
 static const film_pair no_films = {NAN, NAN, NAN};
 
-/* Sets half width and radius if none are given. They determine how far away the film around a point
- * contact ends, and only the logarithm of this distance matters. */
+/* Sets half width and radius if none are given. Both determine how far away the film around a point
+ * contact ends. The values can be rough, since only the logarithm of this distance matters. */
 static void give_size(ehd_contact *contact) {
     if (!isnan(contact->half_width)) return;
     contact->half_width = 0.01;
@@ -86,13 +87,13 @@ static void viscous_pressure(double *viscous, const double *log_viscosity, const
     }
 }
 
-/* Returns the pressure at `start` of an inlet from minus infinity, and the load upstream of
- * `start`. A grid that begins there lacks both. They follow from dP/dX = viscosity lambda (H -
- * H_exit)/H^3, where H is the gap of the dry contact plus a constant. They are integrated over s,
- * with X = start / s, by the midpoint rule. */
+/* For an inlet that begins at minus infinity, returns the pressure at `start` and the load upstream
+ * of `start`. A grid that begins at `start` lacks both quantities. They follow from dP/dX =
+ * viscosity lambda (H - H_exit)/H^3, where H is the gap of the dry contact plus a constant. The
+ * integration is over s, with X = start / s, by the midpoint rule. */
 static inlet_tail tail_before(const central_line *line, const ehd_contact *contact, double start) {
-    // Number of intervals. From 20 intervals on, two digits of the inlet estimates do not change,
-    // for M = 1, 5 and 20 (README.md, Estimates of inlet and step).
+    // Number of intervals. From 20 intervals on, the first two digits of the inlet estimates do not
+    // change, for M = 1, 5 and 20 (README.md, Estimates of inlet and step).
     const int num_intervals = 200;
     const double stride = 1. / num_intervals, flux = line->film[line->exit];
     const contact_kind *kind = contact->kind;
@@ -192,12 +193,12 @@ static void restrict_state(full_state *coarse, const ehd_grid *grid, const full_
 typedef struct coarse_grid {
     ehd_contact contact;
     bool as_large;
-    team *threads; // NULL: none
+    team *threads; // threads that share the work; NULL: one thread does all work
     full_solver *solver;
     full_state state;
 } coarse_grid;
 
-/* Solves the contact from its present state. The films are NaN if it does not converge. */
+/* Solves the contact from its present state. The films are NaN if the solver does not converge. */
 static ehd_status solve_on(film_pair *films, coarse_grid *self, ehd_error *error) {
     full_info info;
     ehd_status status = full_solve(&info, &self->state, self->solver, &self->contact, NULL, error);
@@ -207,8 +208,8 @@ static ehd_status solve_on(film_pair *films, coarse_grid *self, ehd_error *error
     return status;
 }
 
-/* Computes the relative changes of the film at the lowest node and the nodes beside it. Returns
- * their mean magnitude, with the sign of their mean. */
+/* Computes the relative changes of the film at the lowest node and the nodes beside it. Returns the
+ * mean magnitude of these changes, with the sign of their mean. */
 static double change_of_minimum(const double *film, const double *before, const ehd_grid *grid) {
     const size_t width = grid_width(grid);
     size_t lowest = grid_node_of_row(grid, 0);
@@ -245,14 +246,15 @@ static void free_coarse(coarse_grid *self) {
 }
 
 /* Relative changes of the films if a domain with its boundary node at `start` becomes endless. NaN:
- * not known, infinite: no solution. */
+ * the changes are not known. Infinite: the contact with an endless domain has no solution. */
 typedef struct inlet_change {
     double central, minimum, start;
-    // change of the rolling resistance; valid if nothing but what surrounds the grid differs
+    // Change of the rolling resistance. Valid only if both solutions are on the same grid and
+    // differ in its boundary pressures alone.
     double rolling;
 } inlet_change;
 
-/* Sets a change from the films on the same nodes before and after. */
+/* Computes the change between two solutions, whose films are given on the same nodes. */
 static void set_change(inlet_change *change, const film_pair *after, const film_pair *before,
                        const double *film_after, const double *film_before, const ehd_grid *grid) {
     const bool solved = !isnan(after->central);
@@ -268,8 +270,8 @@ static void set_change(inlet_change *change, const film_pair *after, const film_
     change->rolling = solved ? after->rolling / before->rolling - 1 : INFINITY;
 }
 
-/* Solves a contact again on the same grid with other surroundings, and sets the
- * change of its films. */
+/* Solves a contact again on the same grid, with another pressure around the grid. Sets the change
+ * of the films. */
 static ehd_status solve_surrounded(inlet_change *change, coarse_grid *self, const film_pair *films,
                                    ehd_error *error) {
     const ehd_grid *grid = &self->contact.grid;
@@ -284,8 +286,8 @@ static ehd_status solve_surrounded(inlet_change *change, coarse_grid *self, cons
     return status;
 }
 
-/* Finds the change of a solved line contact's films by an endless inlet: it adds the pressure and
- * the load of the tail before the grid. */
+/* Finds how much an endless inlet changes the films of a solved line contact. For this, adds the
+ * pressure and the load of the inlet upstream of the grid. */
 static ehd_status solve_with_tail(inlet_change *change, coarse_grid *self, const film_pair *films,
                                   ehd_error *error) {
     const ehd_grid *grid = &self->contact.grid;
@@ -293,11 +295,12 @@ static ehd_status solve_with_tail(inlet_change *change, coarse_grid *self, const
     inlet_tail *tail = &self->contact.tail;
 
     *tail = tail_before(&line, &self->contact, grid_x(grid, 0));
-    tail->load += tail->pressure * grid->step / 2; // up to the cell of the first inner node
+    tail->load += tail->pressure * grid->step / 2; // adds the load up to the cell of the first
+                                                   // inner node
     return solve_surrounded(change, self, films, error);
 }
 
-/* Finds the change of a solved point contact's films by the far field around its grid. */
+/* Finds how much the far field around the grid changes the films of a solved point contact. */
 static ehd_status solve_unbounded(inlet_change *change, coarse_grid *self, const film_pair *films,
                                   ehd_error *error) {
     self->contact.grid.boundary = BOUNDARY_OPEN;
@@ -387,7 +390,7 @@ static ehd_status solve_larger(inlet_change *change, coarse_grid *smaller, const
 
 /* Solves the contact on a grid with `stride` times the step of the solution. The films are NaN if
  * the solver does not converge. The first such grid that converges and is fine enough also gives
- * the change of the films by an endless domain. */
+ * the change of the films that an endless domain causes. */
 static ehd_status solve_coarse(film_pair *films, inlet_change *change, const ehd_contact *contact,
                                const full_state *solution, const ehd_grid *fine, size_t stride,
                                team *threads, ehd_error *error) {
@@ -428,10 +431,11 @@ double full_step_effect(const double films[3], double order, double limit, doubl
     return larger / (exp2(fmax(1, fmin(observed, order))) - 1);
 }
 
-/* Returns a number proportional to the effect of a domain that begins at `start`. For a line
- * contact it is the load of the tail, plus the load of its pressure at `start` from there to the
- * centre. For a point contact it falls with the third power of the length, or with the first power
- * if the pressure around the grid is zero. */
+/* Returns a number that is proportional to the effect on the films if the domain begins at `start`:
+ * - line contact: the load upstream of `start`, plus the pressure at `start` times the distance
+ *   from `start` to the centre
+ * - point contact: this distance to the power -3, or to the power -1 if the pressure around the
+ *   grid is zero */
 static double lacking_before(const central_line *line, const ehd_contact *contact, double start) {
     if (contact->kind->dimensions > 1)
         return pow(-start, far_field_is_there(&contact->grid) ? -3 : -1);
@@ -440,10 +444,10 @@ static double lacking_before(const central_line *line, const ehd_contact *contac
     return tail.load - tail.pressure * start;
 }
 
-/* Returns the error estimate of one film for the step. It is the sum of two magnitudes: the known
- * effect of the place where the domain begins, and the effect of the discretisation. beginnings:
- * effects of four domains. The first begins at x_min. The others begin, like the three grids, one,
- * two and four steps before x_min. */
+/* Returns the error estimate of one film for the step. The estimate is the sum of two magnitudes:
+ * the effect of the discretisation, and the known effect of the place where the domain begins.
+ * beginnings: relative effects of four domains on the film. The first domain begins at x_min. The
+ * others begin, like the three grids, one, two and four steps upstream of x_min. */
 static double step_effect(const double films[3], const double beginnings[4], double order,
                           double limit, double opposite) {
     double same[3] = {films[0], films[1], films[2]}; // films if all grids began like the first one
@@ -480,11 +484,13 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
     self->effects.of[EFFECT_INLET_MINIMUM] =
         fmax(self->effects.of[EFFECT_INLET], safety * fabs(of_minimum[1]));
     const double step = SAFETY * step_effect(central, of_central, order, default_accuracy, 0.5);
-    // the films of points on coarse steps converge too irregularly, except with the published rows
+    // on coarse steps the films of point contacts converge too irregularly for an estimate, except
+    // with the published rows
     const bool is_known = is_line || is_published || step <= resolution_limit;
     self->effects.of[EFFECT_STEP] = is_known ? step : INFINITY;
-    // The minimum films of the three grids may agree by chance. If those of a line contact
-    // alternate, their limit need not lie half way (README.md, Estimates of inlet and step).
+    // The minimum films of the three grids may agree by chance. If the minimum films of a line
+    // contact alternate, their limit need not lie half way between two of them (README.md,
+    // Estimates of inlet and step).
     const double opposite = is_line ? 1 : 0.5;
     self->effects.of[EFFECT_STEP_MINIMUM] =
         fmax(self->effects.of[EFFECT_STEP],
@@ -493,7 +499,8 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
 
 /* Sets the error estimates of the rolling resistance. For a line contact the resistance includes
  * the part in front of the grid, and the error estimate of the film is an upper bound of the error.
- * For a point contact the resistance includes the far field, whose own error is added. */
+ * For a point contact with a far field the resistance includes the far field, whose own error is
+ * added. */
 static void set_rolling_effects(full_resolution *self, const film_pair films[3],
                                 const inlet_change *change, const full_state *state,
                                 const ehd_contact *contact) {
@@ -512,11 +519,13 @@ static void set_rolling_effects(full_resolution *self, const film_pair films[3],
 ehd_status full_resolution_estimate(full_resolution *self, const full_state *state,
                                     const ehd_contact *contact, team *threads, ehd_error *error) {
     const ehd_grid *grid = &contact->grid;
-    ehd_contact on[3] = {*contact}; // grids of the step, and of twice and four times the step
+    ehd_contact on[3] = {*contact}; // on grids with the step, twice the step and four times the
+                                    // step
     film_pair films[3] = {no_films, no_films, no_films};
     inlet_change change = {NAN, NAN, grid->x_min, NAN};
     const central_line line = central_line_of(state, grid);
-    // The coarsest grid that has a solution and is fine enough gives the effect of the domain.
+    // With a far field, the effect of the domain comes from the coarsest grid that has a solution
+    // and is fine enough. So this grid is solved first.
     const bool coarsest_first = far_field_is_there(grid);
 
     give_size(&on[0]);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes films, pressure, load (eq. 9 of Maier et al. 2015), exits and traction of a solution.
- * Between the nodes it interpolates by polynomials (minimum.h).
+ * Interpolates between the nodes by polynomials (minimum.h).
  * Called by main.c, training.c, full_march.c and resolution.c, and by romrun/calibrate. */
 #include "fullrun/full_solver.h"
 
@@ -9,8 +9,8 @@
 
 #include <math.h>
 
-/* Returns the value on a grid line at X = 0. If no node lies there, uses the cubic through the four
- * nodes around. */
+/* Returns the value on a grid line at X = 0. If no node lies there, interpolates by the cubic
+ * through the four nearest nodes. */
 static double central_value(const double *values, const ehd_grid *grid) {
     double column = -grid->x_min / grid->step + 1;
     double nearest = round(column);
@@ -27,9 +27,9 @@ static double film_at(const void *film, size_t node) {
     return ((const double *)film)[node];
 }
 
-/* Returns the smallest film, interpolated around the lowest node, and sets that node. On a line
- * contact it interpolates around all nodes that are lower than those beside them, since the lowest
- * node need not be in the deepest valley. */
+/* Returns the smallest film, and its node in *node. On a point contact, interpolates around the
+ * lowest node. On a line contact, interpolates around each node that is not higher than its two
+ * neighbours, since the lowest node need not be in the deepest valley. */
 static double smallest_film(size_t *node, const double *film, const ehd_grid *grid) {
     size_t lowest = grid_node_of_row(grid, 0);
 
@@ -47,8 +47,8 @@ static double smallest_film(size_t *node, const double *film, const ehd_grid *gr
     return smallest;
 }
 
-/* Checks the interpolated film. A film that nearly closes is not resolved between the nodes, and
- * its interpolation may be below zero. */
+/* Checks the interpolated film. If a film nearly closes between nodes, the grid does not resolve
+ * it, and the interpolated film may be below zero. */
 bool full_film_closes(const full_state *state, const ehd_grid *grid) {
     size_t node;
 
@@ -60,9 +60,10 @@ double full_exit_position(const full_state *state, const ehd_grid *grid) {
     return grid_x(grid, state->exit - 1) + state->exit_offset * grid->step;
 }
 
-/* Moves `exit`, a node without pressure, to the node behind the last positive pressure before it.
- * Pressures in between are noise of the active set. Returns false if the interval before it has no
- * positive pressure. */
+/* `exit` is the first node without pressure behind an interval of the pressurised zone. Moves
+ * `exit` upstream to the node behind the last positive pressure of this interval. Values in between
+ * that are not positive are noise of the active set. Returns false if the interval has no positive
+ * pressure. */
 static bool find_end_of_pressure(size_t *exit, const full_state *state, bool backwards) {
     size_t before = backwards ? *exit + 1 : *exit - 1;
 

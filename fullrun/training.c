@@ -25,7 +25,7 @@ void training_free(training *self) {
     self->points = NULL;
 }
 
-/* Keeps a finished point. `pressure` is [num_nodes], or NULL if it has not converged. */
+/* Keeps a finished point. `pressure` is [num_nodes], or NULL if the point has not converged. */
 static ehd_status keep_point(training *self, size_t point, const double *pressure,
                              double rigid_approach, size_t exit, ehd_error *error) {
     size_t num_nodes = self->set->grid.num_nodes;
@@ -87,8 +87,8 @@ static ehd_status begin_worker(void **result, void *shared, ehd_error *error) {
     *result = self;
     if (!self) return ehd_no_memory(error, "solver");
 
-    // the last modes have singular values of 1e-10 of the first, so solutions must be more
-    // accurate
+    // the weakest modes have singular values of 1e-10 of the first, so solutions must be more
+    // accurate than that
     settings.tolerance = 1e-12;
     ehd_status status =
         full_solver_create(&self->solver, first->kind, &first->grid, &settings, error);
@@ -176,7 +176,7 @@ ehd_status training_check_memory(const training_set *set, const program *caller,
 
     if (num_marches > 0)
         of_marches = (double)num_marches * full_march_bytes(&set->trajectories[0].contact);
-    // points are solved before trajectories
+    // points are solved before trajectories, so only the larger memory counts
     return grid_check_memory(caller, plan_path, first, kept + fmax(of_points, of_marches),
                              of_points > of_marches ? num_solvers : num_marches, error);
 }

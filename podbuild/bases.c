@@ -15,7 +15,7 @@
 
 // ---- readings
 
-/* Data for reading all sources several times: the rows for the modes, and the states for the
+/* Data for reading all sources several times. The rows are read for the modes, the states for the
  * coordinates. */
 typedef struct reading {
     snapshot_set *from;
@@ -102,8 +102,8 @@ static ehd_status stream_rows(pod_stream *stream, reading *self, size_t index, b
 }
 
 /* Computes the POD of all rows, or of their deflections if `deflected`. Deflection is linear in the
- * pressure. Deflections of compressed snapshots can therefore replace those of the original
- * snapshots. Boundary nodes are included, because they have a film. */
+ * pressure. Deflections of compressed snapshots can therefore replace the deflections of the
+ * original snapshots. Boundary nodes are included, because they have a film. */
 static ehd_status find_modes(pod_basis *pod, reading *self, const pod_settings *wanted,
                              bool deflected, ehd_error *error) {
     pod_stream *stream = NULL;
@@ -121,7 +121,7 @@ static ehd_status find_modes(pod_basis *pod, reading *self, const pod_settings *
     return status;
 }
 
-/* Returns the settings for the POD of the rows, with the energy that its modes may omit. This
+/* Returns the settings for the POD of the rows, with the energy that the modes may omit. This
  * energy is smaller if some rows come from parts, because parts have already omitted energy. */
 static pod_settings share_of(const pod_settings *wanted, const snapshot_set *from,
                              const bases_settings *settings) {
@@ -162,7 +162,7 @@ static void project(double *coordinates, size_t stride, const double *fields, si
                     const pod_basis *pod) {
     const int modes = (int)pod->num_modes, nodes = (int)pod->num_nodes;
 
-    if (num_fields == 1) // faster than a matrix of one row
+    if (num_fields == 1) // faster than a product with a matrix of one row
         cblas_dgemv(CblasRowMajor, CblasNoTrans, modes, nodes, 1, pod->modes, nodes, fields, 1, 0,
                     coordinates, 1);
     else if (num_fields > 0)
@@ -237,7 +237,7 @@ static ehd_status project_modes(double *turned, reading *self, size_t index, con
 }
 
 /* Adds the states of a part. Multiplies their coordinates in the modes of the part by the
- * projections of these modes onto the new ones. */
+ * projections of these modes onto the new modes. */
 static ehd_status project_part(reduced_states *states, size_t first, reading *self, size_t index,
                                const pod_basis *pod, ehd_error *error) {
     const snapshot_source *source = &self->from->sources[index];

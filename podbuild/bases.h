@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Trial and test bases of a set of training solutions (Maier, Hager, Hetzler and Seemann, Tribology
- * International 2015, section 3.1). */
+/* Computes trial and test bases from a set of training solutions (Maier, Hager, Hetzler and
+ * Seemann, Tribology International 2015, section 3.1). */
 #ifndef EHD_BASES_H
 #define EHD_BASES_H
 
@@ -10,12 +10,12 @@
 #include "podbuild/snapshot_set.h"
 #include "romrun/model/reduced_model.h"
 
-/* Computes the POD of the pressures, the POD of the deflections (if these are independent), the
- * weight D of the first pressure mode, and the training solutions in reduced coordinates. Reads all
- * sources once for the modes, once more for the modes of independent deflections, and once for the
- * coordinates. Afterwards only `basis` holds the modes. Errors: EHD_DATA (more modes are wanted
- * than the rank of the snapshots, or parts that omit too much energy), EHD_INTERRUPTED, EHD_MEMORY,
- * EHD_INTERNAL (LAPACK); else as snapshot_set_open. */
+/* Computes the POD of the pressures, the POD of the deflections (if the basis has independent
+ * deflections), the weight D from the first pressure mode, and the coordinates of the training
+ * solutions. Reads all sources once for the modes, once more for the modes of independent
+ * deflections, and once for the coordinates. Afterwards only `basis` holds the modes. Errors:
+ * EHD_DATA (more modes are wanted than the rank of the snapshots, or parts omit too much energy),
+ * EHD_INTERRUPTED, EHD_MEMORY, EHD_INTERNAL (LAPACK); else as snapshot_set_open. */
 ehd_status bases_build(
     // output:
     reduced_basis *basis,       // free with reduced_basis_free

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes the memory that a basis takes, and divides a memory limit between the block and the
- * directions. Error budget: README.md, "Error bound"; the shares of sqrt(E) add up to one. Called
- * by main.c (bases_plan_make) and by bases.c (bases_plan_at_once). */
+/* Computes the memory for building a basis, and divides a memory limit between the block and the
+ * directions. The allowed error is that of README.md, "Error bound"; its shares of sqrt(E) add up
+ * to one. Called by main.c (bases_plan_make) and by bases.c (bases_plan_at_once). */
 #include "podbuild/bases_plan.h"
 
 #include <math.h>
@@ -10,8 +10,8 @@
  * the error within the bound"). */
 const double SMALL_SHARE = 0.05, ROOT_SHARE = 0.9;
 
-/* Of the energy that remains after the energy for the distance, this fraction is for dropped
- * directions (stream.bats, "a small limit: the error within the bound"). */
+/* Dropped directions may take this fraction of the energy that the distance leaves (stream.bats,
+ * "a small limit: the error within the bound"). */
 static const double DROPPED_SHARE = 0.2;
 
 /* Allowed energy if only the number of modes is given. With this energy SMALL_SHARE allows a
@@ -71,7 +71,7 @@ static double plan_bytes(const bases_plan *plan, const snapshot_set *from,
     double most = stream + (independent ? pressure * a_field : 0);
 
     most = fmax(most, (pressure + deformation) * a_field + batches);
-    // modes in the basis, and a second copy for transposing and writing them
+    // modes in the basis, and a second copy of one kind of modes for transposing and writing
     most = fmax(most, (pressure + deformation + fmax(pressure, deformation)) * a_field);
     return most + few + state_bytes(from, pressure + deformation);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* podbuild: builds bases from training solutions (README.md). It reads options and files, plans
- * the memory, builds the bases and writes them.
+/* podbuild: builds bases from training solutions (README.md). The program reads options and files,
+ * plans the memory, builds the bases and writes them.
  * Called from the command line, and by the pipelines in scenes. */
 #include "common/output/check.h"
 #include "common/output/print.h"
@@ -25,7 +25,7 @@
 typedef struct build_options {
     bases_settings bases;
     const test_weight *weight;
-    const char *plan; // NULL: none
+    const char *plan; // argument of --plan; NULL: --plan is not given
     double memory;    // limit of the arrays, bytes
 } build_options;
 
@@ -133,8 +133,8 @@ static void report_thinness(const program *self, const pod_basis *pressure,
     free(distance);
 }
 
-/* Computes the weight that --weight names. Reads the contacts of the plan, if a plan is given, for
- * weights that need contacts. */
+/* Computes the weight that --weight names. If a plan is given, reads its contacts, which some
+ * weights need. */
 static ehd_status weigh(reduced_basis *basis, const program *self, const build_options *options,
                         ehd_error *error) {
     plan given = {0};

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes the POD of one block of snapshots: X = Q R = Q (U S Vᵀ), with modes Q U.
- * Equations: Sirovich 1987; the error of the first k modes is the tail of S² (Eckart and Young).
+ * Equations: Sirovich 1987. The squared error of the first k modes is the sum of the other squared
+ * singular values (Eckart and Young).
  * Called by pod_stream.c and by deimselect/residual_snapshots.c. */
 #include "podbuild/pod.h"
 
@@ -16,8 +17,8 @@
 #include <string.h>
 
 /* LAPACK reads a row-major [num_snapshots, num_nodes] array as a num_nodes x num_snapshots matrix
- * with a snapshot in each column. The modes are its left singular vectors, and nothing is
- * transposed. */
+ * with a snapshot in each column. The modes are the left singular vectors of this matrix, so
+ * nothing has to be transposed. */
 
 static ehd_status check_input(size_t num_snapshots, size_t num_nodes, const pod_settings *settings,
                               ehd_error *error) {
@@ -44,7 +45,7 @@ static size_t numerical_rank(const double *singular_values, size_t num_singular_
 static size_t modes_by_energy(const double *singular_values, size_t rank, double discarded_energy) {
     double total = 0.0, left_out = 0.0;
     size_t num_modes = rank;
-    // sum up from the weakest on, so that small energies are not lost by round-off
+    // the sum starts with the weakest mode, so that small energies are not lost by round-off
     for (size_t i = rank; i-- > 0;)
         total += pow(singular_values[i] / singular_values[0], 2);
     for (; num_modes > 1; num_modes--) {
@@ -81,7 +82,7 @@ ehd_status pod_check_snapshots(const double *snapshots, size_t count, size_t num
                     snapshots[i], first + i / num_nodes, i % num_nodes, LARGEST_VALUE);
 }
 
-/* Chooses the number of modes that the settings select. */
+/* Determines the number of modes from the settings and the singular values. */
 static ehd_status choose_num_modes(size_t *num_modes, const double *singular_values,
                                    size_t num_singular_values, const pod_settings *settings,
                                    ehd_error *error) {
@@ -109,9 +110,9 @@ void pod_fix_sign(double *mode, size_t num_nodes) {
 
 /* Work arrays of the following functions. All matrices are column-major. */
 typedef struct pod_work {
-    size_t num_nodes, num_states, num_values; // num_values: the smaller of the other two
+    size_t num_nodes, num_states, num_values; // num_values = min(num_nodes, num_states)
     double *matrix;   // [num_nodes, num_states] the snapshots, later their QR or LQ factors
-    double *scales;   // [num_values] of the reflectors of Q (LAPACK's tau)
+    double *scales;   // [num_values] factors of the reflectors of Q (LAPACK's tau)
     double *triangle; // [num_values, num_values] R or L
     double *left;     // [num_values, num_values] left singular vectors of `triangle`
     double *right;    // [num_values, num_values]
@@ -239,8 +240,8 @@ void pod_row(double *row, const pod_basis *basis, size_t i) {
 
 double pod_discarded(const pod_basis *basis) {
     const double length = sqrt(basis->tail) + basis->distance;
-    // if the distance is zero, the bound is the tail itself; the square of its root would add
-    // round-off
+    // If the distance is zero, the bound is the tail itself. The square of the tail's root would
+    // have additional round-off.
     const double omitted = basis->distance > 0 ? length * length : basis->tail;
 
     return basis->energy > 0 ? omitted / basis->energy : 0;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Proper orthogonal decomposition (POD) of one block of snapshots: the modes are the left singular
- * vectors of the matrix with a snapshot in each column (Sirovich, Quart. Appl. Math. 45, 1987).
+/* Computes the proper orthogonal decomposition (POD) of one block of snapshots. The modes are the
+ * left singular vectors of the matrix with a snapshot in each column (Sirovich, Quart. Appl. Math.
+ * 45, 1987).
  * Called by pod_stream.c for each block, and by deimselect for residuals. */
 #ifndef EHD_POD_H
 #define EHD_POD_H
@@ -9,8 +10,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* A truncated POD. Its rows, singular value times mode, can replace the snapshots: both have the
- * same Gram matrix except for the energy that the modes omit. */
+/* A truncated POD. Each mode times its singular value is a row of the POD. These rows can replace
+ * the snapshots: both have the same Gram matrix, except for the energy that the modes omit. */
 typedef struct pod_basis {
     size_t num_modes;
     size_t num_nodes;
@@ -21,16 +22,16 @@ typedef struct pod_basis {
     size_t num_snapshots;
     double energy; // sum of the squares of all snapshots
     double tail;   // energy of the omitted modes and of directions that a stream dropped
-    // Upper bound of the distance (root of the sum of squares) between the given snapshots and
-    // those that were decomposed (pod_stream.h). 0 for one block of snapshots.
+    // Upper bound of the distance (root of the sum of squares) between the given snapshots and the
+    // snapshots that were decomposed (pod_stream.h). 0 for one block of snapshots.
     double distance;
 } pod_basis;
 
 typedef struct pod_settings {
-    size_t num_modes;        // number of modes; 0: by discarded_energy
+    size_t num_modes;        // number of modes; 0: discarded_energy determines the number
     double discarded_energy; // used if num_modes is 0: share of the sum of all squared singular
-                             // values that may be omitted. The fewest modes that meet it are taken,
-                             // at least one, at most the numerical rank
+                             // values that may be omitted. The smallest number of modes that meets
+                             // this limit is taken: at least one, at most the numerical rank
     bool at_most;            // num_modes is an upper limit: take fewer modes if the numerical rank
                              // is less
 } pod_settings;
@@ -42,8 +43,8 @@ typedef struct pod_settings {
  *
  * Errors: EHD_DATA (as pod_check_snapshots, no snapshots, only zeros, or more modes wanted than the
  * numerical rank); EHD_MEMORY; EHD_INTERNAL (LAPACK). The numerical rank is the number of singular
- * values above n * epsilon * the first, where n is the number of all. On failure the basis is
- * empty. */
+ * values above n * epsilon * the first, where n is the number of all singular values. On failure
+ * the basis is empty. */
 ehd_status pod_build(
     // output:
     pod_basis *basis, // free with pod_free
@@ -64,11 +65,12 @@ void pod_row(double *row, const pod_basis *basis, size_t i);
  * snapshots: (sqrt(tail) + distance)² / energy. */
 double pod_discarded(const pod_basis *basis);
 
-/* Computes the distance of each snapshot from the span of all others, relative to its own norm. Let
- * U S Vᵀ be the SVD of the matrix with a snapshot in each row. The distance is then 1/|S^-1 Uᵀ
- * e_i|, because the diagonal of the inverse Gram matrix holds the inverse squares of the distances,
- * and the norm is |S Uᵀ e_i|. Valid only for a basis with as many modes as snapshots. With fewer
- * modes, the other snapshots represent each snapshot up to the truncation error. */
+/* Computes the distance of each snapshot from the span of all other snapshots, relative to the norm
+ * of the snapshot. Let U S Vᵀ be the SVD of the matrix with a snapshot in each row. The distance is
+ * then 1/|S^-1 Uᵀ e_i|, because the diagonal of the inverse Gram matrix holds the inverse squares
+ * of the distances, and the norm is |S Uᵀ e_i|. Valid only for a basis with as many modes as
+ * snapshots. With fewer modes, the other snapshots represent each snapshot up to the truncation
+ * error. */
 void pod_left_out(
     // output:
     double *distance, // [num_states]

@@ -24,7 +24,7 @@ enum { MAX_EXTENSIONS = 2 };
 struct pod_stream {
     pod_stream_settings settings;
     size_t num_nodes;
-    double *waiting; // [block, num_nodes] B
+    double *waiting; // [block, num_nodes] B, snapshots that are not yet in Q and R
     size_t num_waiting;
     double *directions; // [rank, num_nodes] Q
     double *triangle;   // [rank, rank] row-major, R
@@ -120,7 +120,7 @@ static ehd_status drop_weakest(pod_stream *self, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Makes the new directions, from `first` on, orthogonal to the earlier directions, and orthonormal.
+/* Makes the new directions, from `first` on, orthonormal, and orthogonal to the earlier directions.
  * The new directions come from rows of small norm. Their deviation from orthogonality is round-off
  * divided by this norm. */
 static ehd_status orthogonalise(pod_stream *self, size_t first, ehd_error *error) {
@@ -199,8 +199,9 @@ static size_t copy_long_rows(double *rows, double *left_out, const pod_stream *s
 }
 
 /* Computes the POD of the remainders of the waiting rows. The energy of the remainders is `left`.
- * The POD omits at most the energy `allowed`: first rows of small norm, then, up to the rest of
- * `allowed`, weak modes. If round-off makes the norm of all rows small, *found has no modes. */
+ * The POD omits at most the energy `allowed`. It omits rows of small norm first, and then weak
+ * modes until `allowed` is used up. If round-off makes the norm of all rows small, *found has no
+ * modes. */
 static ehd_status decompose_remainder(pod_basis *found, const pod_stream *self, double left,
                                       double allowed, ehd_error *error) {
     double *rows = array_new(self->num_waiting, self->num_nodes, sizeof *rows), left_out;
@@ -218,8 +219,8 @@ static ehd_status decompose_remainder(pod_basis *found, const pod_stream *self, 
     return status;
 }
 
-/* Adds the modes of the remainders of the waiting rows to the directions. *full: there is no room
- * for these modes, and none is added. */
+/* Adds the modes of the remainders of the waiting rows to the directions. *full: whether there is
+ * too little room for these modes; if so, no mode is added. */
 static ehd_status extend(bool *full, pod_stream *self, components *to, double left, double allowed,
                          ehd_error *error) {
     const size_t max_rank = self->settings.max_rank, before = self->rank;
@@ -234,8 +235,8 @@ static ehd_status extend(bool *full, pod_stream *self, components *to, double le
 }
 
 /* Subtracts from the waiting rows their components along the directions. Extends the directions
- * until *left, the energy of the remainders, is at most `allowed`, or at most MAX_EXTENSIONS
- * times. *full: there is no room for more directions. */
+ * until *left, the energy of the remainders, is at most `allowed`, but not more than MAX_EXTENSIONS
+ * times. *full: whether there is too little room for more directions. */
 static ehd_status take_up(bool *full, double *left, pod_stream *self, components *to,
                           double allowed, ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -291,8 +292,8 @@ static ehd_status too_many(const pod_stream *self, ehd_error *error) {
                     self->settings.max_rank, self->num_snapshots);
 }
 
-/* Makes room for new directions. Restores the waiting rows from their components, removes
- * directions beyond the first `before`, and drops the weakest of the remaining directions. */
+/* Makes room for new directions. Restores the waiting rows from their components, and removes the
+ * directions behind the first `before` ones. Then drops the weakest of the remaining directions. */
 static ehd_status make_room(pod_stream *self, components *from, size_t before, ehd_error *error) {
     add_components(self->waiting, self->num_waiting, 1, from->along, from->stride, self->directions,
                    self->rank, self->num_nodes);

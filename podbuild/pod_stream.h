@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* POD of snapshots that arrive one after the other: hierarchical approximate POD (Himpe, Leibner
- * and Rave, SIAM J. Sci. Comput. 40(5), A3267, 2018). The tree of this method is here a chain:
- * blocks of snapshots are added one after the other.
+/* Computes the POD of snapshots that arrive one after the other, by the hierarchical approximate
+ * POD (Himpe, Leibner and Rave, SIAM J. Sci. Comput. 40(5), A3267, 2018). The tree of this method
+ * is here a chain: blocks of snapshots are added one after the other.
  * Called by bases.c, by snapgen for trajectories, and by deimselect for residuals. */
 #ifndef EHD_POD_STREAM_H
 #define EHD_POD_STREAM_H
@@ -28,8 +28,9 @@ typedef struct pod_stream pod_stream;
  *
  *     A = B Qᵀ,   B' = B - A Q,   Q := [Q; V],   R := triangle of [R 0; A B' Vᵀ]
  *
- * "triangle" is the triangular factor of a QR factorisation. V is the POD of B', up to the allowed
- * distance. Two matrix products, B Qᵀ and A Q, take nearly all of the time.
+ * "triangle" is the triangular factor of a QR factorisation. V are the POD modes of B'; they
+ * represent B' up to the allowed distance. Two matrix products, B Qᵀ and A Q, take nearly all of
+ * the time.
  *
  * Error bound. |.| is the root of the sum of the squares of all entries, S are the snapshots, and X
  * their projections on the directions. d = |S - X|² is the squared distance, with d <= local_energy
@@ -39,9 +40,9 @@ typedef struct pod_stream pod_stream;
  *     |S - S Pᵀ P| <= sqrt(sum sigma'² + t) + sqrt(d),   |sigma(X) - sigma(S)| <= sqrt(d)
  *
  * Proof: when directions are dropped, the SVD omits a positive semidefinite part of XᵀX, and the
- * traces of these parts add up. The triangle inequality adds S - X. If compressed snapshots are
- * streamed in place of the original ones, p is the squared distance between the two sets. The bound
- * then increases by sqrt(p) (pod_stream_inherit).
+ * traces of these parts add up. By the triangle inequality, the bound also includes |S - X|. If
+ * compressed snapshots are streamed in place of the original ones, p is the squared distance
+ * between the two sets. The bound then increases by sqrt(p) (pod_stream_inherit).
  *
  * The result depends only on the snapshots, their order and the settings. */
 ehd_status pod_stream_create(
@@ -55,8 +56,8 @@ pod_stream *pod_stream_free(pod_stream *self); // accepts and returns NULL
 
 /* Adds snapshots. The result does not depend on how many snapshots each call adds. Errors:
  * EHD_DATA: a value is not finite or is above 1e140; the stream is unchanged. EHD_MEMORY (also if
- * the snapshots need more than max_rank directions) or EHD_INTERNAL (LAPACK): the stream can only
- * be freed. */
+ * the snapshots need more than max_rank directions) or EHD_INTERNAL (LAPACK): afterwards the stream
+ * can only be freed. */
 ehd_status pod_stream_add(
     // in and out:
     pod_stream *self,

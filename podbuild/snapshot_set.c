@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads training solutions from files or memory, one field at a time.
- * No equations; a row of a part is a mode times its singular value (part_file.h).
+/* Reads training solutions from files or memory, one field at a time. A row of a part is a mode
+ * times its singular value (part_file.h).
  * Called by bases.c, main.c and readers.c, and by snapgen/trial.c for solutions in memory. */
 #include "podbuild/snapshot_set.h"
 
@@ -46,8 +46,8 @@ static ehd_status pick(double *to, size_t stride, const char *name, bool attribu
     return status;
 }
 
-/* Reads optional columns. If the file has no central film, it is set to NaN. Other numbers without
- * a column keep their values. */
+/* Reads optional columns. If the file has no column for the central film, the central film is set
+ * to NaN. Other quantities without a column keep their values. */
 static ehd_status pick_optional(reduced_states *states, const column_reader *from,
                                 ehd_error *error) {
     ehd_status status = pick(&states->thinning->sliding, 2, "thinning", true, from, error);
@@ -67,7 +67,7 @@ static ehd_status pick_optional(reduced_states *states, const column_reader *fro
 }
 
 /* Reads the rates of change on trajectories. Stationary points have no valid values in these
- * columns, so their rates are set to zero. Of a trajectory only the first state is stationary.
+ * columns, so their rates are set to zero. In a trajectory only the first state is stationary.
  * `trajectory`: [count], -1 for stationary points. */
 static ehd_status pick_rates(reduced_states *states, const column_reader *from,
                              const int64_t *trajectory, ehd_error *error) {
@@ -89,9 +89,9 @@ static ehd_status pick_rates(reduced_states *states, const column_reader *from,
     return status;
 }
 
-/* Lists the converged states and, of these, the ones that are rows. States of a trajectory are no
- * rows, because its compressed steps contain them. Untrusted states (EHD_UNTRUSTED) are left
- * out. */
+/* Lists the converged states in `entry`, and the stationary points among them in `row_state`.
+ * States of a trajectory are no rows, because the compressed steps of the trajectory contain them.
+ * Untrusted states (EHD_UNTRUSTED) are left out. */
 static ehd_status choose_states(snapshot_source *source, size_t count, const int64_t *outcome,
                                 const int64_t *trajectory, ehd_error *error) {
     source->entry = array_new(count, 1, sizeof *source->entry);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Training solutions in files (snapshots, results, parts of a training) or in memory. States are
- * converged solutions with their scalars. Rows are the pressure fields that the basis is built
- * from: stationary states, compressed steps of trajectories, or modes of parts.
+/* Reads training solutions from files (snapshots, results, parts of a training) or from memory.
+ * States are converged solutions with their scalars. Rows are the pressure fields that the basis is
+ * built from: stationary states, compressed steps of trajectories, or modes of parts.
  * Called by podbuild and, for solutions in memory, by snapgen. */
 #ifndef EHD_SNAPSHOT_SET_H
 #define EHD_SNAPSHOT_SET_H
@@ -18,7 +18,7 @@ typedef struct snapshot_source {
     const char *path;      // NULL: solutions in memory
     artefact *file;        // NULL: closed, or solutions in memory
     const double **fields; // [num_states] pressures in memory, with boundary nodes; NULL: file
-    bool is_part;          // the file is a part; a row is a mode times its singular value
+    bool is_part;          // the file is a part; its rows are modes times their singular values
     part_origin origin;    // origin of a part
     double *values;        // [num_rows] singular values of a part
     size_t num_states;     // converged states

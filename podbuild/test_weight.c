@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes the weight D of the Reynolds rows, one number for each node. Equation: W = D² J V, eq.
- * (27) of Maier et al. 2015. The floor and row-norm are not in the paper.
- * Called by bases.c (mode) and by main.c for --weight. */
+/* Computes the weight D of the Reynolds rows, one number for each node. The test basis is
+ * W = D² J V, eq. (27) of Maier et al. 2015. The weight `row-norm` and the smallest value of the
+ * weight `mode` (WEIGHT_FLOOR) are not in the paper.
+ * Called by bases.c for the default weight `mode`, and by main.c for --weight. */
 #include "podbuild/test_weight.h"
 
 #include "romrun/solve/reduced_solver.h"
@@ -28,11 +29,12 @@ const test_weight *test_weight_find(const char *name) {
     return entry->name ? entry : NULL;
 }
 
-/* Floor of the weight "mode". The first pressure mode vanishes at the inlet and beyond the trained
- * exits, so rows there would have no weight. Least squares need weights of about one over the
- * residual that truncated modes leave in a row. From X = -1.3 on, a floor of 1e-3 would exceed
- * these weights (README.md, The floor; test_test_weight.c, mode_is_that_of_the_basis). */
-static const double WEIGHT_FLOOR = 1e-4; // of the largest entry
+/* Smallest value of the weight `mode`. The first pressure mode vanishes at the inlet and beyond the
+ * trained exits, so rows there would have no weight. Least squares need weights of about one over
+ * the residual that truncated modes leave in a row. Upstream of X = -1.3, a smallest value of 1e-3
+ * would exceed these weights (README.md, The floor; test_test_weight.c,
+ * mode_is_that_of_the_basis). */
+static const double WEIGHT_FLOOR = 1e-4; // as a fraction of the largest value of the weight
 
 ehd_status test_weight_mode(double *weight, const reduced_basis *basis, const ehd_contact *contacts,
                             size_t num_contacts, ehd_error *error) {
@@ -57,7 +59,7 @@ ehd_status test_weight_identity(double *weight, const reduced_basis *basis,
 
 // ---- row norms
 
-/* Sums of the squared row norms at the grid nodes. */
+/* Sums of the squared norms of the rows of the reduced Jacobian, at the grid nodes. */
 typedef struct row_squares {
     const reduced_model *model;
     reduced_solver *solver;
@@ -66,8 +68,9 @@ typedef struct row_squares {
     size_t num_states;
 } row_squares;
 
-/* Adds up the squared norms of the rows. It replaces the least-squares solver and returns
- * EHD_NOT_CONVERGED, which ends the iteration. */
+/* Adds the squared norms of the rows of the reduced Jacobian to the sums. The reduced solver calls
+ * this function in place of its least-squares solver. The return value EHD_NOT_CONVERGED ends the
+ * iteration. */
 static ehd_status add_squares(double *step, void *context, const double *matrix,
                               const double *right, size_t num_equations, size_t num_unknowns) {
     row_squares *self = context;
@@ -126,8 +129,9 @@ static ehd_status visit_states(row_squares *squares, const ehd_contact *contacts
 }
 
 /* Turns norms into weights: one over the root mean square. A row behind the first exit gets at most
- * the weight of the last row before all exits. Rows behind the first exit have small norms. If
- * their weights grew towards the last exit, the exit of many solutions would not settle. */
+ * the weight of the last row before all exits. Rows behind the first exit have small norms, so
+ * their weights would grow towards the last exit. With such weights the exit of many solutions
+ * would not settle. */
 static void turn_over(double *weight, const row_squares *squares, size_t num_nodes) {
     double last = 1;
 

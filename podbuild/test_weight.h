@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Weight D of the test basis (Maier et al. 2015, eq. 27), the weight of each Reynolds row in the
- * least squares. */
+/* Computes the weight D of the test basis (Maier et al. 2015, eq. 27): one weight in the least
+ * squares for each Reynolds row. */
 #ifndef EHD_TEST_WEIGHT_H
 #define EHD_TEST_WEIGHT_H
 
 #include "romrun/model/reduced_model.h"
 
-/* Writes one positive weight for each node. `contacts`: [num_contacts] of the training; NULL and 0
- * if no plan is given. Errors: EHD_DATA, EHD_MEMORY, EHD_INTERNAL. */
+/* Writes one positive weight for each node. `contacts`: [num_contacts] contacts of the training;
+ * NULL if no plan is given, with 0 for num_contacts. Errors: EHD_DATA, EHD_MEMORY, EHD_INTERNAL. */
 typedef ehd_status test_weight_function(
     // output:
     double *weight, // [num_nodes]
@@ -34,8 +34,8 @@ test_weight_function test_weight_identity;
 
 /* Weight "row-norm": one over the norm of the row of the reduced Jacobian. The norm is the root
  * mean square over the stationary training solutions whose contact is given. Rows behind the first
- * exit get at most the weight of the last row before this exit. EHD_DATA: no contact belongs to a
- * training solution. */
+ * exit of these solutions get at most the weight of the last row before this exit. EHD_DATA: no
+ * contact belongs to a training solution. */
 test_weight_function test_weight_row_norm;
 
 #endif

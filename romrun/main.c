@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* romrun: solves scenes with a reduced model, measures its errors and exports it. */
+/* romrun: solves scenes with a reduced model, measures the errors of the model and exports it. */
 #include "common/output/check.h"
 #include "common/output/grid_file.h"
 #include "common/output/inputs.h"
@@ -40,18 +40,19 @@ typedef struct romrun_options {
     const char *against;    // NULL: no comparison
     part_list models;       // files of the model: one file, or the files of a list
     part_sizes sizes;       // sizes for each of these files
-    double accuracy;        // accuracy of the films, by which the sizes are chosen; 0: not given
+    double accuracy;        // largest film error, which selects the sizes (--accuracy); 0:
+                            // --accuracy is not given
     accuracy_limits limits; // limits of other quantities
     part_sizes fallback;    // most accurate sizes, used if the result with `sizes` is not accurate
                             // enough
-    // reason why no reduced step is trusted; NULL: each step is judged
+    // reason why no step of the reduced model is trusted; NULL: each step is judged by itself
     const char *distrust;
     const char *fall_back; // "full": the full model solves what no model size solves; NULL or
                            // "none": no fallback
     bool allow_untrusted, resume, verify;
     size_t repeats;  // number of solutions in a row; their median time is reported
     size_t fmi;      // version of the FMI: 2 or 3
-    size_t num_jobs; // 0: as many jobs as processors
+    size_t num_jobs; // number of jobs; 0: as many jobs as there are processors
 } romrun_options;
 
 // clang-format off
@@ -131,7 +132,7 @@ static const char *advice(const romrun_options *options) {
                                  "takes it all the same)";
 }
 
-/* Returns the exit code of the outcome and writes its message. */
+/* Returns the exit code for a result and writes the message to *error. */
 static ehd_status judge(const run_result *result, const romrun_options *options, const char *path,
                         ehd_error *error) {
     if (result->status == EHD_UNTRUSTED && options->allow_untrusted) return EHD_OK;
@@ -144,7 +145,8 @@ static ehd_status judge(const run_result *result, const romrun_options *options,
 
 enum { MAX_INPUTS = MAX_PARTS + 4 };
 
-/* Adds the model, or the list and its models, to the inputs. */
+/* Adds the file of the model, or the list of models and the files in it, to the inputs. Returns the
+ * new number of inputs. */
 static size_t add_models(const char *inputs[MAX_INPUTS], size_t count,
                          const romrun_options *options) {
     count = inputs_add(inputs, count, options->model);
@@ -153,8 +155,8 @@ static size_t add_models(const char *inputs[MAX_INPUTS], size_t count,
     return count;
 }
 
-/* Lists the files that no output may overwrite, ending with NULL: the arguments, the models and, if
- * any, another file. */
+/* Lists the files that no output may overwrite: the arguments, the models and, if there is one, the
+ * file `other`. The list ends with NULL. */
 static void list_inputs(const char *inputs[MAX_INPUTS], const program *self,
                         const romrun_options *options, const char *other) {
     size_t count = 0;
@@ -180,8 +182,9 @@ static ehd_status print_verification(online_solver *solver, const online_result 
     return EHD_OK;
 }
 
-/* Writes the settings of the scene, and the options of the command line that change the solution.
- * The rows of a table of scenes also depend on the limits, so these are written for a table. */
+/* Makes a text of the scene's settings and of the command line options that change the solution.
+ * For a table of scenes the text also contains the limits of --accuracy-of, because the rows of the
+ * table depend on these limits. */
 static ehd_status text_with_sizes(char **whole, const char *text, const romrun_options *options,
                                   bool table, ehd_error *error) {
     char accuracy[NUMBER_TEXT + 16] = "", number[NUMBER_TEXT];
@@ -207,7 +210,7 @@ static ehd_status text_with_sizes(char **whole, const char *text, const romrun_o
     return ehd_no_memory(error, "settings");
 }
 
-/* A solution and the part of a model that computes it. */
+/* A solution, with the model and the solver that computed it. */
 typedef struct attempt {
     online_model *model;
     online_solver *solver;
@@ -233,7 +236,7 @@ static ehd_status attempt_solve(attempt *self, const romrun_options *options,
 }
 
 /* Solves with the open model, which has the sizes options->sizes. If the result is not accurate
- * enough, solves again with the fallback sizes and sets options->sizes to them. */
+ * enough, solves again with the fallback sizes and sets options->sizes to these sizes. */
 static ehd_status solve_scene(attempt *self, romrun_options *options, const program *caller,
                               const ehd_contact *contact, ehd_error *error) {
     ehd_status status = attempt_solve(self, options, contact, error);
@@ -276,7 +279,7 @@ typedef struct stationary_run {
     bool by_full_model;        // true: the full model solved the scene
     double *pressure, *film;   // [nodes of the grid], NULL unless fields or traction need them
     double *exits;             // [inner lines of the whole grid]
-    film_effects effects;      // errors by the model's grid
+    film_effects effects;      // errors that the model's grid causes
     contact_traction traction; // set if the surfaces slide
     run_result result;         // points to the members above
     char *text;                // text of the settings
@@ -304,8 +307,8 @@ static ehd_status read_against(stationary_run *self, bool with_fields, ehd_error
                          against->thinning, &grid, path, self->contact, error);
 }
 
-/* Makes a result of the solution, with its exits and, if wanted, its fields and the errors by the
- * grid. */
+/* Fills self->result from the solution and its exits. If wanted, adds the fields and the errors
+ * that the model's grid causes. */
 static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_effects,
                               ehd_error *error) {
     const ehd_grid *grid = &self->contact->grid;
@@ -465,9 +468,9 @@ static ehd_status run_stationary(const program *caller, romrun_options *options,
     return status;
 }
 
-// ---- in time
+// ---- transient scenes
 
-/* Creates a march with both models, for --fallback full. */
+/* Creates a march with both models, if --fallback full is given. */
 static ehd_status create_fallback(fallback_march **full, const program *self,
                                   const romrun_options *options, const ehd_contact *contact,
                                   online_transient *in_time, const scene *given,
@@ -482,7 +485,7 @@ static ehd_status create_fallback(fallback_march **full, const program *self,
                                           given->transient.start_film, accuracy, distrust, error);
 }
 
-/* Solves a scene in time and closes the model. */
+/* Solves a transient scene and closes the model. */
 static ehd_status run_transient(const program *self, const romrun_options *options,
                                 online_model *model, const ehd_contact *contact, const scene *given,
                                 const char *scene_lines, time_run_again again, ehd_error *error) {
@@ -556,7 +559,7 @@ typedef struct transient_run {
     const char *scene_lines;
 } transient_run;
 
-/* Runs a march with these sizes. */
+/* Opens the model with the given sizes and runs a march. */
 static ehd_status march_with(const transient_run *self, const part_sizes *sizes,
                              time_run_again again, ehd_error *error) {
     romrun_options options = *self->options;
@@ -569,16 +572,17 @@ static ehd_status march_with(const transient_run *self, const part_sizes *sizes,
                                   self->scene_lines, again, error);
 }
 
-/* Checks whether a march may be repeated with more accurate sizes. With --fallback full it may not,
- * because the full model solves single steps instead. */
+/* Checks whether a march may be repeated with more accurate sizes. With --fallback full a march is
+ * not repeated, because the full model solves single steps instead. */
 static bool has_other_sizes(const romrun_options *options) {
     return options->accuracy > 0 && !falls_back(options) &&
            memcmp(&options->sizes, &options->fallback, sizeof options->sizes) != 0;
 }
 
-/* Repeats a march that did not converge or is not trusted with the most accurate sizes. If these do
- * not converge and the first sizes did, marches with the first sizes again. A run that was
- * interrupted may already have been a repetition. */
+/* Repeats a march with the most accurate sizes if the first march did not converge or is not
+ * trusted. If the repetition does not converge although the first march did, marches with the first
+ * sizes again. With --resume, EHD_DATA may mean that the interrupted run already was a repetition;
+ * this repetition is then continued with the most accurate sizes. */
 static ehd_status march_again(const transient_run *self, ehd_status first, ehd_error *error) {
     romrun_options *options = self->options;
     const bool poor = first == EHD_NOT_CONVERGED || first == EHD_UNTRUSTED;
@@ -600,7 +604,7 @@ static ehd_status march_again(const transient_run *self, ehd_status first, ehd_e
     return march_with(self, &options->sizes, AGAIN_NEVER, error);
 }
 
-/* Chooses the sizes of one of the models for --accuracy from its table. */
+/* Chooses the sizes of one model for --accuracy from its table of measured errors. */
 static ehd_status choose_sizes_of(romrun_options *options, size_t index, const program *self,
                                   bool in_time, ehd_error *error) {
     const char *path = options->models.paths[index];
@@ -616,8 +620,8 @@ static ehd_status choose_sizes_of(romrun_options *options, size_t index, const p
         program_note(self, "--accuracy %g: %s%s%s", options->accuracy, one ? "" : path,
                      one ? "" : ": ", choice.note);
     }
-    // goes on: a single scene may reach an accuracy that no size has in the calibration; otherwise
-    // the full model solves the scene
+    // With --fallback full the run continues: a single scene may reach an accuracy that no size
+    // reaches in the calibration. Otherwise the full model solves the scene.
     if (status == EHD_DATA && falls_back(options)) {
         if (in_time) options->distrust = "an --accuracy that the model was not measured to have";
         const size_t best = trade_most_accurate(&table, in_time);
@@ -639,7 +643,8 @@ static ehd_status choose_sizes(romrun_options *options, const program *self, boo
     return status;
 }
 
-/* Refuses values and combinations of options that the modes do not refuse by their tables. */
+/* Refuses values and combinations of options that the tables `own_options` and `modes` do not
+ * exclude. */
 static ehd_status check_usage(const program *self, const romrun_options *options,
                               ehd_error *error) {
     const model_sizes *sizes = &options->sizes.of[0];
@@ -668,7 +673,7 @@ static ehd_status check_usage(const program *self, const romrun_options *options
     return EHD_OK;
 }
 
-// ---- other work than solving
+// ---- modes that do not solve scenes
 
 static ehd_status calibrate_model(const program *self, void *own, ehd_error *error) {
     const romrun_options *options = own;
@@ -724,8 +729,8 @@ static ehd_status check_regime(const romrun_options *options, bool transient, eh
     return EHD_OK;
 }
 
-/* Prints a note if a file has no digest, so that changes of it cannot be noticed. Other programs
- * and older versions write no digest. */
+/* Prints a note if a model file has no digest, because a change of the file can then not be
+ * detected. Files that other programs or older versions have written have no digest. */
 static void note_content(const program *self, const char *model) {
     bool is_flat = true;
     if (online_is_flat(&is_flat, model, NULL) || is_flat ||
@@ -735,7 +740,7 @@ static void note_content(const program *self, const char *model) {
                  model, content_without_digest);
 }
 
-/* Reads a scene that reduced models can solve, and its text. */
+/* Reads a scene and its text. Refuses a scene that reduced models cannot solve. */
 static ehd_status load_scene(scene *given, char **text, const program *self, ehd_error *error) {
     ehd_error cause = {""};
     ehd_status status = scene_load(given, text, self, error);
@@ -775,8 +780,9 @@ static ehd_status export_fmu(const program *self, void *own, ehd_error *error) {
     return status;
 }
 
-/* Checks each model of a list like a single file, and whether the models fit together. Opening a
- * flat model reads and checks all of it. */
+/* Checks a flat model or a list of models. Each HDF5 model of a list is checked like a single file.
+ * Flat models are only opened, since opening a flat model reads and checks the whole file. Opening
+ * the list also checks whether its models fit together. */
 static ehd_status check_models(const char *path, ehd_error *error) {
     online_model *model = NULL;
     part_list list;
@@ -793,7 +799,8 @@ static ehd_status check_models(const char *path, ehd_error *error) {
     return status;
 }
 
-/* Checks a file for --check. Models are opened; output_check handles all other files. */
+/* Checks a file for --check. check_models opens flat models and lists of models; output_check
+ * checks all other files. */
 static int check(program *self) {
     bool is_flat = false;
     ehd_error error = {""};
@@ -806,7 +813,7 @@ static int check(program *self) {
 
 // ---- many scenes
 
-/* Returns the exit code of the worst case and writes its message. */
+/* Returns the exit code of the worst scene and writes the message to *error. */
 static ehd_status judge_cases(const cases_summary *found, const romrun_options *options,
                               const case_list *list, ehd_error *error) {
     const bool unsolved = found->num_unsolved > 0;
@@ -912,8 +919,8 @@ static ehd_status run_scene(const program *self, void *own, ehd_error *error) {
 // ---- the command line
 
 // clang-format off
-// columns: word, usage, help, least and largest number of arguments, output, whether the option of
-// the same name has the last argument, function
+// columns: word; usage; help; least and largest number of arguments; use of -o; whether the hidden
+// option with the name of the mode (--cases) takes the last argument; function
 static const program_mode modes[] = {
     {NULL, "SCENE.yml -m MODEL.h5 [-o RESULT.h5]", NULL, 1, 1, OUTPUT_OPTIONAL, false, run_scene},
     {"cases", "cases SCENE.yml CASES.csv -m MODEL.h5 [-o TABLE.csv]",
@@ -933,7 +940,7 @@ static const program_mode modes[] = {
     {0}};
 // clang-format on
 
-/* Takes the model from the argument if the mode has no other argument. */
+/* Takes the model from the argument in the modes that have no other argument (trade, export). */
 static ehd_status take_model(const program *self, romrun_options *options, ehd_error *error) {
     const bool by_argument = (1u << self->mode & (TRADE | EXPORT)) && self->num_arguments > 0;
 

@@ -20,13 +20,13 @@
 
 enum { MIN_BATCH = 4 };
 
-/* A region may be cut in two when the points of its model reach this multiple of the first round's
- * points (README.md, Parts of a region). */
+/* A region may be divided in two when its model has this many times the points of the first round
+ * (README.md, Parts of a region). */
 static const double WIDE = 5;
 
-/* A region whose highest M is at most this many times the lowest is never cut. Otherwise an
+/* A region whose highest M is at most this many times the lowest is never divided. Otherwise an
  * accuracy that no model reaches would lead to ever more parts. The parts of scenes/studies/parts,
- * trained to 1e-4, have ratios of 1.4 to 2 and end with about 100 points. */
+ * trained to an accuracy of 1e-4, have ratios of 1.4 to 2 and end with about 100 points. */
 static const double NARROW = 2;
 
 typedef struct adaptive {
@@ -35,19 +35,19 @@ typedef struct adaptive {
     const char *plan_path;
     const adaptive_settings *settings;
     size_t num_workers;
-    double started;    // program_seconds
+    double started;    // program_seconds at the start
     double solving;    // s, time of full solutions
     size_t num_solved; // number of these solutions
     double judging;    // s, time for the model of the last round and its estimates
 
-    artefact *file; // what is written: the training, or a piece of a round
+    artefact *file; // output: the training, or a piece of a round
     training points;
     tree_point *places;         // [num_points]
-    double (*films)[NUM_FILMS]; // [num_points] of the full model, if solved
+    double (*films)[NUM_FILMS]; // [num_points] films of the full model at solved points
     bool *trained;              // [num_points]
-    size_t *state_of_point;     // [num_points] of trained points: number in the file
+    size_t *state_of_point;     // [num_points] number of the state in the file, of trained points
     trial_verdict *verdicts;    // [num_points] by the present model, for points not trained
-    double *indicated; // [num_points] their error estimates; infinite before the first model
+    double *indicated; // [num_points] error estimates of points not trained; INFINITY: no estimate
 
     size_t num_states;
     adaptive_state *states; // [num_states]
@@ -202,7 +202,7 @@ static bool is_round_compared(const adaptive *self, size_t round) {
     return all;
 }
 
-/* Counts the converged points up to a round. */
+/* Counts the converged points of all rounds up to the given round. */
 static size_t count_solved(const adaptive *self, size_t round) {
     size_t count = 0;
 
@@ -277,8 +277,9 @@ static void normalise(double (*places)[RANGE_AXES], const training_set *set) {
             if (high[axis] > low[axis]) places[i][axis] /= high[axis] - low[axis];
 }
 
-/* Adds the corners of the candidates of one family (group and lubricant). `here`, `numbers` and
- * `corners` are scratch memory for num_points. */
+/* Adds the corners of the convex hull of one family's candidates. The candidates of a family have
+ * the same group and the same laws of the lubricant. `here`, `numbers` and `corners` are scratch
+ * memory for num_points. */
 static ehd_status add_corners_of(adaptive *self, size_t family, const double (*places)[RANGE_AXES],
                                  double (*here)[RANGE_AXES], size_t *numbers, size_t *corners,
                                  ehd_error *error) {
@@ -308,7 +309,7 @@ static ehd_status add_corners(adaptive *self, ehd_error *error) {
 
     if (!status) {
         normalise(places, self->set);
-        // the number of a family is that of its first point
+        // a family has the number of its first point
         for (size_t i = 0; i < num_points && !status; i++)
             if (self->places[i].family == i)
                 status = add_corners_of(self, i, (const double(*)[RANGE_AXES])places, here, numbers,
@@ -321,8 +322,8 @@ static ehd_status add_corners(adaptive *self, ehd_error *error) {
     return status;
 }
 
-/* Adds the first round: corners, and candidates as far as possible from the corners and from each
- * other. */
+/* Adds the first round: the corners of the convex hull of each family's candidates, and candidates
+ * as far as possible from the corners and from each other. */
 static ehd_status add_first_round(adaptive *self, ehd_error *error) {
     size_t wanted = smaller(self->settings->start, self->settings->max_points);
     ehd_status status = add_corners(self, error);
@@ -340,8 +341,8 @@ static bool is_good(const adaptive *self, size_t round) {
     return self->rounds[round].indicated <= self->settings->accuracy;
 }
 
-/* Adds the points of a check of the error estimates. Half of them have the largest estimates, the
- * largest first. The other half is as far as possible from all trained points. */
+/* Adds the points of a check of the error estimates. Half of the points have the largest estimates,
+ * the largest first. The other half are as far as possible from all trained points. */
 static ehd_status add_check(adaptive *self, size_t count, ehd_error *error) {
     double *equal = calloc(self->set->num_points, sizeof *equal);
     ehd_status status = equal ? add_worst(self, self->indicated, (count + 1) / 2, -1, true, error)
@@ -369,8 +370,8 @@ static ehd_status add_next_round(adaptive *self, ehd_error *error) {
 
 // ---- solving
 
-/* Returns the nearest point of earlier rounds, from which a new point can
- * start. NO_PARENT: none. */
+/* Returns the nearest point of earlier rounds, from which a new point can start. NO_PARENT: there
+ * is no such point. */
 static size_t nearest_before(const adaptive *self, const tree_point *from,
                              const double scale[TREE_AXES]) {
     double nearest = INFINITY;
@@ -385,11 +386,12 @@ static size_t nearest_before(const adaptive *self, const tree_point *from,
     return found;
 }
 
-/* Sets the starts and the order of the new points. In the first round all points start cold. Later,
- * each starts from the nearest point of earlier rounds. So no point needs another point of its
- * round, and any process may solve any point. Starts from points of the same round, which are far
- * apart, would save nothing. Newton takes 10.4 iterations a point with the plan of examples/line
- * (with such starts 13.7), and 6.0 with that of examples/point (with such starts 5.8). */
+/* Sets the starts and the order of the new points. In the first round all points start cold. In
+ * later rounds each point starts from the nearest point of earlier rounds. No point therefore needs
+ * another point of its own round, and any process may solve any point. Starts from points of the
+ * same round would save nothing, because these points are far apart. For the plan of examples/line
+ * Newton takes 10.4 iterations a point, and 13.7 with starts from the same round. For the plan of
+ * examples/point it takes 6.0, and 5.8 with starts from the same round. */
 static ehd_status order_points(adaptive *self, ehd_error *error) {
     double scale[TREE_AXES];
 
@@ -481,17 +483,17 @@ static ehd_status build_model(reduced_model *model, trial_costs *costs, const ad
     return status;
 }
 
-/* Reports the durations that the stages after the training have with the present points. These are
- * lower limits. solve_round reports the duration of the check, which needs full solutions. The
- * number of further rounds is not known. Extrapolated error estimates do not predict it
- * (docs/history.md, adaptive-training). */
+/* Reports the durations of the stages after the training, for the present points. These durations
+ * are lower limits, because the number of further rounds is not known. Extrapolated error estimates
+ * do not predict this number (docs/history.md, adaptive-training). solve_round reports the duration
+ * of the check, which needs full solutions. */
 static void tell_costs(const adaptive *self, const trial_costs *costs) {
     const stage *here = &self->caller->stage;
 
     stage_expect(here, "basis", costs->basis);
     stage_expect(here, "residuals", costs->residuals);
     stage_expect(here, "rows", costs->rows);
-    // trainings of other parts of the region
+    // expected for the training of each other part of the region
     stage_expect(here, "training", program_seconds() - self->started);
 }
 
@@ -711,7 +713,7 @@ static ehd_status open_file(adaptive *self, bool resume, ehd_error *error) {
     return adaptive_file_create(&self->file, self->caller, self->set, self->plan_path, error);
 }
 
-/* Warns that all points are used without a successful check. Names the place of the largest
+/* Warns that all points are used without a successful check. Names the contact with the largest
  * estimate, and a remedy. */
 static void warn_of_end(const adaptive *self) {
     const bool limited = self->num_states < self->set->num_points;
@@ -768,7 +770,8 @@ static ehd_status add_text(training_set *set, const char *plan_path,
     return training_set_add_text(set, line, plan_path, error);
 }
 
-/* Allocates a training and adds its settings to the set's text. EHD_DATA: transient scenes. */
+/* Allocates a training and adds its settings to the set's text. EHD_DATA: the plan has transient
+ * scenes. */
 static ehd_status begin(adaptive *self, const program *caller, const adaptive_task *task,
                         ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -812,7 +815,8 @@ ehd_status adaptive_train(const program *caller, const adaptive_task *task, ehd_
 
 // ---- a piece of a round
 
-/* Leaves only the points of the piece to be solved: every N-th of those that are not done. */
+/* Chooses the points of the piece that is to be solved: every N-th of the points that are not
+ * done. */
 static ehd_status choose_piece(adaptive_state *chosen, size_t *count, adaptive *self,
                                const adaptive_task *task, ehd_error *error) {
     const size_t num_open = count_open(self), total = task->piece.total;
@@ -834,7 +838,7 @@ static ehd_status choose_piece(adaptive_state *chosen, size_t *count, adaptive *
     return EHD_OK;
 }
 
-/* Continues the file of a piece. EHD_DATA: it has other points. */
+/* Continues the file of a piece. EHD_DATA: the file has other points. */
 static ehd_status resume_piece(adaptive *self, const adaptive_state *chosen, size_t count,
                                ehd_error *error) {
     adaptive_state *found = malloc(self->set->num_points * sizeof *found);

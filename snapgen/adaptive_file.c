@@ -46,7 +46,7 @@ static ehd_status put_choice(artefact *file, size_t place, const adaptive_state 
     return status;
 }
 
-/* Writes the numbers of the states from `first` on, which gives the axis its new length. */
+/* Writes the numbers of the states from `first` on. This sets the new length of the axis. */
 static ehd_status put_numbers(artefact *file, size_t first, size_t count, ehd_error *error) {
     double *numbers = malloc((count + 1) * sizeof *numbers);
     if (!numbers) return ehd_no_memory(error, artefact_path(file));
@@ -133,7 +133,7 @@ static ehd_status check_distinct(const adaptive_state *states, size_t count, con
     return EHD_OK;
 }
 
-/* Reads the states that were chosen, and restores those that are done. */
+/* Reads the chosen states, and restores each state that is done. */
 static ehd_status read_states(adaptive_state *states, double (*films)[NUM_FILMS], training *points,
                               artefact *file, size_t count, ehd_error *error) {
     const size_t num_points = points->set->num_points;
@@ -246,7 +246,7 @@ static ehd_status copy_entry(artefact *to, size_t to_state, artefact *from, size
 
 static const char outcome_field[] = "status";
 
-/* Copies a state. The outcome comes last, as in snapshots_store. */
+/* Copies a state. The outcome is written last, as in snapshots_store. */
 static ehd_status copy_state(artefact *to, size_t to_state, artefact *from, size_t from_state,
                              int64_t outcome, ehd_error *error) {
     ehd_status status = EHD_OK;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads and writes snapshots.h5 of an adaptive training (schemas/snapshots.md). Its states are
- * points of the plan in the order in which they were chosen. Each round adds states.
+/* Reads and writes snapshots.h5 of an adaptive training (schemas/snapshots.md). The states in this
+ * file are points of the plan in the order in which they were chosen. Each round adds states.
  * Called by adaptive.c in each round. */
 #ifndef EHD_ADAPTIVE_FILE_H
 #define EHD_ADAPTIVE_FILE_H
@@ -13,18 +13,18 @@
 typedef struct adaptive_state {
     size_t point;          // number in the set
     size_t round;          // from 0
-    trial_verdict verdict; // by the model of the previous rounds; NaN in the first round
+    trial_verdict verdict; // estimates by the model of the previous rounds; NaN: first round
 } adaptive_state;
 
 /* The outcome of a round. */
 typedef struct adaptive_round {
-    size_t num_points; // converged points from which the round's model is made
-    double indicated;  // largest error estimate of points not trained; NaN: none, or no factor yet
+    size_t num_points; // number of converged points from which the round's model is made
+    double indicated;  // largest error estimate of points not trained; NaN: no points or no factor
     double deviation;  // largest error at the points of the next round; NaN: there are none
     double seconds;    // s, since the start; NaN: the round is of an earlier run
 } adaptive_round;
 
-/* Creates a file without states, in streaming mode. Errors: those of artefact_create. */
+/* Creates a file without states, in streaming mode. Errors: as artefact_create. */
 ehd_status adaptive_file_create(artefact **file, const program *caller, const training_set *set,
                                 const char *plan_path, ehd_error *error);
 
@@ -32,14 +32,14 @@ ehd_status adaptive_file_create(artefact **file, const program *caller, const tr
 ehd_status adaptive_file_add(artefact *file, const training_set *set, const adaptive_state *states,
                              size_t first, size_t count, ehd_error *error);
 
-/* Opens NAME.partial to continue it. Reads the chosen states, and restores in `points` those that
- * are done. Errors: those of artefact_resume. */
+/* Opens NAME.partial to continue it. Reads the chosen states. If a state is done, restores it in
+ * `points`. Errors: as artefact_resume. */
 ehd_status adaptive_file_resume(
     // output:
     artefact **file,
     adaptive_state *states, // [*num_states], room for all points of the set
     size_t *num_states,
-    double (*films)[NUM_FILMS], // [num_points of the set] of points that are done and converged
+    double (*films)[NUM_FILMS], // [num_points of the set] films of points that have converged
     // in and out:
     training *points,
     // input:
@@ -47,7 +47,7 @@ ehd_status adaptive_file_resume(
 
 /* Reads states and points like adaptive_file_resume from a file that another process continues.
  * Closes the file unchanged. Errors: EHD_DATA: the file has other settings than the points' set;
- * those of artefact_open_unfinished. */
+ * errors of artefact_open_unfinished. */
 ehd_status adaptive_file_read(
     // output:
     adaptive_state *states, size_t *num_states, double (*films)[NUM_FILMS],
@@ -56,9 +56,9 @@ ehd_status adaptive_file_read(
     // input:
     const char *path, ehd_error *error);
 
-/* Copies solutions from a piece, finished or not, to `file` and `points`, for states that are not
- * done yet. Errors: EHD_DATA: the piece has other settings than the points' set, or a state that
- * is not in `states`; those of artefact_open_unfinished and of writing. */
+/* Copies solutions of states that are not done yet from a piece to `file` and `points`. The piece
+ * may be unfinished. Errors: EHD_DATA: the piece has other settings than the points' set, or a
+ * state that is not in `states`; errors of artefact_open_unfinished and of writing. */
 ehd_status adaptive_file_take(
     // in and out:
     artefact *file, training *points, double (*films)[NUM_FILMS],

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Chooses the states of a trajectory that are stored uncompressed. Their number does not depend on
- * the number of steps. They are the states at regular times, and the states at which a quantity
- * that limits the trained range is extreme. All other states are only stored in compressed form
- * (README.md, Training).
+/* Chooses the states of a trajectory that are stored uncompressed: the states at regular times, and
+ * the states at which a quantity that limits the trained range is extreme. The number of these
+ * states does not depend on the number of steps. All other states are only stored in compressed
+ * form (README.md, Training).
  * Called by trajectory.c for each step. */
 #ifndef EHD_KEPT_STATES_H
 #define EHD_KEPT_STATES_H
@@ -35,10 +35,10 @@ typedef struct kept_states {
     size_t num_nodes; // nodes of the fields; 0: no fields are kept
     size_t num_lines; // lines of the exits; 0: no exits are kept
     double end_time;
-    size_t num_times; // regular times so far
+    size_t num_times; // number of regular times reached so far
     double extremes[KEPT_EXTREMES];
     double load_rate;            // largest rate of the load so far
-    contact_frame last;          // of the last step
+    contact_frame last;          // frame of the last step
     kept_state states[NUM_KEPT]; // the first one is the start
 } kept_states;
 
@@ -47,8 +47,8 @@ ehd_status kept_states_init(kept_states *self, size_t num_nodes, size_t num_line
                             ehd_error *error); // free with kept_states_free
 void kept_states_free(kept_states *self);
 
-/* Keeps an accepted step if it is at a regular time or at an extreme. Steps come in order of
- * time. Arrays that are not kept may be NULL. */
+/* Keeps the state of an accepted step if the step reaches a regular time, or if a quantity has a
+ * new extreme value. Steps come in order of time. Arrays that are not kept may be NULL. */
 void kept_states_consider(kept_states *self, const march_step *step, const ehd_contact *reference,
                           const double *pressure, const double *film, const size_t *exits);
 

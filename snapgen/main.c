@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* snapgen: runs a training plan (README.md). It reads options and the plan, calls the kind of
- * training, and writes snapshots or residuals.
+/* snapgen: runs a training plan (README.md). It reads options and the plan, runs the training that
+ * they define, and writes snapshots or residuals.
  * Called from the command line, and by the pipelines in scenes. */
 #include "common/output/check.h"
 #include "common/output/grid_file.h"
@@ -297,8 +297,8 @@ static ehd_status write_parts(const program *self, const training_set *set, size
     return status;
 }
 
-/* Runs the first mode: solves the plan with the full model, either all points or those that an
- * adaptive training needs. */
+/* Runs the first mode: solves points of the plan with the full model. These are all points, or the
+ * points that an adaptive training needs. */
 static ehd_status train(const program *self, const snapgen_options *options, ehd_error *error) {
     const char *plan_path = self->arguments[0];
     const shard whole = {1, 1};
@@ -330,7 +330,7 @@ static ehd_status train(const program *self, const snapgen_options *options, ehd
     return status;
 }
 
-/* Runs the second mode: solves the plan with the projected system. */
+/* Runs the second mode: solves the points of the plan with the projected system. */
 static ehd_status repeat(const program *self, const snapgen_options *options, ehd_error *error) {
     const char *of_adaptive = option_of_adaptive(self);
     const double before = program_seconds();

@@ -28,7 +28,7 @@ static double distance_outside(const hull *self, size_t from, size_t to, size_t 
     return (along[0] * there[1] - along[1] * there[0]) / length;
 }
 
-/* Adds the corners between two known corners. */
+/* Adds all corners that lie to the left of the line between two known corners. */
 static void add_between(hull *self, size_t from, size_t to) {
     size_t furthest = NO_PARENT;
     double farthest = self->tolerance;
@@ -70,8 +70,8 @@ static bool is_plane(const hull *self) {
     return true;
 }
 
-/* For each coordinate, adds the first point with the smallest value and the first one with the
- * largest. */
+/* For each coordinate, adds the first point with the smallest value and the first point with the
+ * largest value. */
 static void add_extremes(hull *self) {
     for (int axis = 0; axis < RANGE_AXES; axis++) {
         size_t least = 0, most = 0;
@@ -97,8 +97,8 @@ static void drop_repeated(hull *self) {
     self->count = count;
 }
 
-/* Adds the point furthest outside the hull of the corners, as long as there is one. `outside`
- * [num_points] and `columns` [RANGE_AXES, num_points] are scratch memory. */
+/* Repeatedly adds the point that lies furthest outside the hull of the corners, until no point lies
+ * outside. `outside` [num_points] and `columns` [RANGE_AXES, num_points] are scratch memory. */
 static void add_furthest(hull *self, double *outside, double *columns) {
     const double *origin = self->places[0];
     size_t furthest = 0;
@@ -150,7 +150,7 @@ size_t point_choice_corners(size_t *corners, const double (*places)[RANGE_AXES],
 // ---- worst
 
 typedef struct nearness {
-    double *trained; // [num_points] distance to the nearest point taken before
+    double *trained; // [num_points] distance to the nearest point trained before
     double *chosen;  // [num_points] distance to the nearest point chosen now
     double scale[TREE_AXES];
 } nearness;
@@ -161,14 +161,15 @@ static void approach(double *nearest, const candidates *from, const double scale
         nearest[i] = fmin(nearest[i], tree_distance(&from->points[i], &from->points[point], scale));
 }
 
-/* Checks whether candidate i comes before j. */
+/* Checks whether candidate i is chosen before candidate j. */
 static bool is_worse(const candidates *from, const nearness *near, size_t i, size_t j) {
     if (from->indicated[i] != from->indicated[j]) return from->indicated[i] > from->indicated[j];
     return fmin(near->trained[i], near->chosen[i]) > fmin(near->trained[j], near->chosen[j]);
 }
 
-/* Returns the worst candidate, or NO_PARENT if none is far enough from the candidates chosen now.
- * `known`: considers only candidates with a finite error estimate. */
+/* Returns the worst candidate that is far enough from the candidates chosen now: its distance from
+ * them is at least `part` of its distance from the points trained before. Returns NO_PARENT if
+ * there is no such candidate. `known`: considers only candidates with a finite error estimate. */
 static size_t worst(const candidates *from, const nearness *near, double part, bool known) {
     size_t best = NO_PARENT;
 
@@ -182,8 +183,9 @@ static size_t worst(const candidates *from, const nearness *near, double part, b
     return best;
 }
 
-/* Returns the worst candidate among those that are far enough from the ones chosen now. Lowers the
- * required distance until there is one. Places that differ by round-off are the same place. */
+/* Returns the worst candidate that is far enough from the candidates chosen now. Lowers the
+ * required distance until there is such a candidate. Candidates that differ only by round-off are
+ * treated as the same candidate. */
 static size_t furthest_worst(const candidates *from, const nearness *near, bool known) {
     size_t found = NO_PARENT;
 

@@ -12,8 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A part reaches across a border by this fraction of the narrower part's width in ln M. Trained
- * ranges are hulls of points and have to cover the border (README.md, Parts of a region). */
+/* A part extends beyond a border by this fraction of the width, in ln M, of the narrower of the two
+ * parts at the border. Trained ranges are hulls of points and have to cover the border (README.md,
+ * Parts of a region). */
 static const double REACH = 0.1;
 
 /* A range of ln M. */
@@ -55,7 +56,8 @@ static ehd_status too_narrow(const parts_request *of, ehd_error *error) {
                     of->plan_path, of->num_parts);
 }
 
-/* Cuts the region into parts with equally many of the points, and then lets the parts overlap. */
+/* Divides the region into parts with equal numbers of points, and then extends the parts so that
+ * they overlap. */
 static ehd_status cut(part *parts, const parts_request *of, ehd_error *error) {
     const part all = extent_of(of->set);
     const size_t last = of->num_parts - 1;
@@ -81,8 +83,8 @@ static ehd_status cut(part *parts, const parts_request *of, ehd_error *error) {
     return status;
 }
 
-/* Returns the factor by which the number of a part's candidates must grow to equal that of the
- * whole region. */
+/* Returns the factor by which the number of a part's candidates must grow to equal the number of
+ * candidates of the whole region. */
 static double density_of(const part *range, const training_set *set) {
     size_t count = 0;
 

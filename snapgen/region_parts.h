@@ -10,16 +10,16 @@
 
 typedef struct parts_request {
     const char *plan_path;
-    const training_set *set; // of the plan
-    const size_t *points;    // [num_points] numbers in the set; each part gets equally many
+    const training_set *set; // points of the plan
+    const size_t *points;    // [num_points] numbers in the set; each part gets equally many of them
     size_t num_points;
     size_t num_parts;
     bool force; // replaces existing files, never the plan
 } parts_request;
 
-/* Cuts the region along M into overlapping ranges. Writes a plan for each beside
- * `list_path`, and the list:
- * - a line "# KIND --set grid.x_min=… …" with the grid that all parts need together,
+/* Divides the region into parts, which are overlapping ranges of M. Writes a plan for each part
+ * into the folder of `list_path`. Also writes the list of the parts, which has
+ * - a line "# KIND --set grid.x_min=… …" with a grid that suits all parts,
  * - a line "PLAN.yml LOWEST HIGHEST" for each part, with its lowest and highest M.
  *
  * A part has as many candidates as the plan. Errors: EHD_DATA: fewer different M, to three

@@ -14,17 +14,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The iterations and the outcome of a point. */
+/* The iterations of a training point, and the outcome of its solution. */
 typedef struct point_trace {
     size_t num_iterations;
-    double *residual; // [num_iterations, num_inner], until they are taken
-    double *step;     // [num_iterations, num_inner]
+    double *residual; // [num_iterations, num_inner] weighted residuals D f; freed after `take`
+    double *step;     // [num_iterations, num_inner] weighted steps D J dz; freed after `take`
     size_t *exits;    // [inner_lines] first column without pressure
     reduced_info info;
     bool is_finished;
 } point_trace;
 
-/* Takes the iterations of a point, which are freed afterwards. */
+/* Stores or writes the iterations of a point. The caller frees the arrays of `trace` afterwards. */
 typedef ehd_status take_iterations(void *sink, size_t point, const point_trace *trace,
                                    ehd_error *error);
 
@@ -35,7 +35,7 @@ typedef struct repeated_training {
     point_trace *traces; // [num_points]
     take_iterations *take;
     void *sink;
-    size_t num_taken; // number of points whose iterations are taken; they come first in the plan
+    size_t num_taken; // number of points given to `take`, in the order of the plan
     trajectories repeated;
     size_t num_done, num_failed;
     progress progress;
@@ -141,8 +141,8 @@ static ehd_status trace_point(void *shared, void *worker, size_t point, size_t p
     return status;
 }
 
-/* Writes the iterations of finished points in the order of the plan. The number of threads
- * therefore does not change the file. */
+/* Passes the iterations of finished points to `take` in the order of the plan. The number of
+ * threads therefore does not change the result. */
 static ehd_status write_finished(repeated_training *training, ehd_error *error) {
     ehd_status status = EHD_OK;
 
@@ -264,8 +264,8 @@ static ehd_status write_iterations(void *sink, size_t point, const point_trace *
 }
 
 /* Writes the compressed iterations of the trajectories, after the iterations of the points.
- * `width`: numbers in a row. If one of the two sets has fewer rows, rows of zeros are added, which
- * have no effect. */
+ * `width`: length of a row of the file. If one of the two sets has fewer rows, rows of zeros are
+ * added, which have no effect. */
 static ehd_status put_compressed(artefact *file, const trajectories *repeated, size_t width,
                                  size_t first, size_t count, ehd_error *error) {
     const struct {
@@ -375,7 +375,7 @@ static ehd_status begin_file(artefact *file, const repeated_training *training,
     return status;
 }
 
-/* Writes the numbers of the iterations, once all iterations are written. */
+/* Writes the numbers of the iterations, after all iterations have been written. */
 static ehd_status number_iterations(artefact *file, size_t count, ehd_error *error) {
     double *numbers = malloc((count + 1) * sizeof *numbers);
     if (!numbers) return ehd_no_memory(error, "residuals");
@@ -451,7 +451,7 @@ ehd_status residuals_run(size_t *num_failed, const program *caller, training_set
 
     if (!status) training_set_take_grid(set, &basis.grid);
     if (!status) status = grid_check(&basis.grid, basis_path, &set->grid, plan_path, error);
-    if (!status && set->num_trajectories > 0) { // solved with their training's transport setting
+    if (!status && set->num_trajectories > 0) { // plan and basis must have the same transport
         const ehd_carriage carriage = path_carriage(&set->trajectories[0].contact);
         status = carriage_check(&carriage, plan_path, &basis.carriage, basis_path, error);
     }

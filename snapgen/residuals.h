@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Repeats the training with the projected system, the modes and all rows (level i of Maier et al.
- * (2015), section 3.2), to get the snapshots of the row selection.
+/* Solves the training points again with the projected system: the modes and all rows (level i of
+ * Maier et al. (2015), section 3.2). The iterations give the snapshots of the row selection.
  * Called by main.c for --basis, and by trial.c in adaptive training. */
 #ifndef EHD_RESIDUALS_H
 #define EHD_RESIDUALS_H
@@ -10,10 +10,11 @@
 #include "deimselect/row_choice.h"
 
 /* Solves every point of the set with the modes of the basis at `basis_path` and all Reynolds rows.
- * Writes to caller->output D f and D J dz of every iteration that led to a solution (Maier et al.
- * 2015, section 3.2). Each point starts from the nearest trained solution of another point. If this
- * iteration does not converge, it starts from a guess of all trained solutions around it. A point
- * that does not converge is counted, with a note.
+ * Writes to caller->output the weighted residual D f and the weighted Jacobian step D J dz of every
+ * iteration that led to a solution (Maier et al. 2015, section 3.2). Each point starts from the
+ * nearest trained solution of another point. If this iteration does not converge, the point starts
+ * from a guess that uses all trained solutions around it. A point that does not converge is counted
+ * and reported in a note.
  * Errors: EHD_DATA: a basis of another grid or contact; EHD_NOT_CONVERGED: all points failed, and
  * nothing is written; EHD_INTERRUPTED, EHD_MEMORY, I/O. */
 ehd_status residuals_run(
@@ -21,13 +22,13 @@ ehd_status residuals_run(
     size_t *num_failed,
     // input:
     const program *caller,
-    training_set *set, // reduced to the points that were repeated
+    training_set *set, // afterwards it has only the points that were solved again
     const char *plan_path, const char *basis_path,
     bool trained_only, // leaves out points that are no states of the basis
     size_t num_workers, ehd_error *error);
 
-/* Collects the iterations of stationary points in memory, with starts as in residuals_run. `model`
- * has all rows. */
+/* Solves stationary points and collects their iterations in memory. The points start as in
+ * residuals_run. `model` has all rows. */
 ehd_status residuals_collect(
     // output:
     residual_snapshots *snapshots, // free with residual_snapshots_free

@@ -41,7 +41,7 @@ ehd_status snapshots_put_contact(artefact *file, size_t state, const ehd_contact
     return status;
 }
 
-/* Writes the contacts of all points before any is solved. */
+/* Writes the contacts of all points before any point is solved. */
 static ehd_status put_contacts(artefact *file, const training_set *set, ehd_error *error) {
     ehd_status status = EHD_OK;
 
@@ -50,7 +50,8 @@ static ehd_status put_contacts(artefact *file, const training_set *set, ehd_erro
     return status;
 }
 
-/* Returns the number of entries along `state`: points, then the kept states of each trajectory. */
+/* Returns the number of entries along the axis `state`: the points, then the kept states of each
+ * trajectory. */
 static size_t num_states(const training_set *set) {
     return set->num_points + set->num_trajectories * NUM_KEPT;
 }
@@ -120,7 +121,7 @@ ehd_status snapshots_create(artefact **file, const program *caller, const traini
 
 // ---- storing
 
-/* Writes where the pressure ends on each line, as index into x and as X. */
+/* Writes the place where the pressure ends on each line, as an index into x and as X. */
 static ehd_status put_exits(artefact *file, const ehd_grid *grid, size_t place,
                             const double *pressure, ehd_error *error) {
     size_t num_lines = grid->inner_lines, whole_lines = grid_whole(grid).inner_lines;
@@ -146,7 +147,7 @@ static ehd_status put_exits(artefact *file, const ehd_grid *grid, size_t place,
     return status;
 }
 
-/* Writes pressure and film, [num_nodes] each, and where the pressure ends. */
+/* Writes pressure and film, [num_nodes] each, and the places where the pressure ends. */
 static ehd_status put_fields(artefact *file, const ehd_grid *grid, size_t place,
                              const double *pressure, const double *film, ehd_error *error) {
     ehd_status status = grid_put_field(file, "pressure", place, pressure, grid, false, error);
@@ -311,7 +312,7 @@ static ehd_status restore(training *points, size_t point, artefact *file, size_t
         if (!isfinite(pressure[i]) || !isfinite(rigid_approach))
             status = ehd_fail(error, EHD_DATA, "%s: pressure: found none of point %zu, expected it",
                               artefact_path(file), point);
-    // on a point contact the pressure itself determines where it ends
+    // only a line contact needs the exit; on a point contact the exits follow from the pressure
     if (!status)
         status =
             training_restore(points, point, pressure, rigid_approach, (size_t)exits[0] + 1, error);

@@ -8,22 +8,22 @@
 #include "fullrun/training.h"
 #include "snapgen/trajectory.h"
 
-/* Creates a file in streaming mode, with all points still to be solved. Errors:
- * those of artefact_create. */
+/* Creates a file in streaming mode, in which all points are still to be solved. Errors: as
+ * artefact_create. */
 ehd_status snapshots_create(
     // output:
     artefact **file, // free with artefact_finish or artefact_close
     // input:
     const program *caller, const training_set *set, const char *plan_path, ehd_error *error);
 
-/* Opens NAME.partial of an earlier run on the same grid. Errors: those of artefact_resume;
- * EHD_DATA: another grid. Equal plans may have different grids if the grid follows from their
- * contacts. */
+/* Opens NAME.partial of an earlier run on the same grid. Errors: as artefact_resume, and
+ * EHD_DATA: the file has another grid. This is possible even for equal settings, if the grid
+ * follows from the contacts. */
 ehd_status snapshots_open_partial(artefact **file, const training_set *set, const program *caller,
                                   ehd_error *error);
 
-/* Opens NAME.partial to continue it, and marks its points in `points` as done. Errors:
- * those of artefact_resume. */
+/* Opens NAME.partial to continue it, and marks in `points` the points that are done. Errors: as
+ * artefact_resume. */
 ehd_status snapshots_resume(artefact **file, training *points, const program *caller,
                             ehd_error *error);
 
@@ -31,15 +31,15 @@ ehd_status snapshots_resume(artefact **file, training *points, const program *ca
 ehd_status snapshots_put_trajectories(artefact *file, const training_set *set,
                                       const trajectories *trained, ehd_error *error);
 
-/* Stores a solved point. It is the member `store` of a training. `sink` is the artefact, `state`
- * the number of the point in it. */
+/* Stores a solved point. This function is the member `store` of a training. `sink` is the artefact.
+ * `state` is the number of the point in the artefact. */
 ehd_status snapshots_store(void *sink, const training_set *set, size_t state,
                            const snapshot *solution, ehd_error *error);
 
 // ---- steps of the functions above, also for adaptive training
 
 /* Declares the fields along the states. Fields of trajectories, of adaptive training, of thinned
- * flows and of error estimates of the grid are declared only if there are any. */
+ * flows and of error estimates of the grid are declared only if the set has such data. */
 ehd_status snapshots_declare(artefact *file, const training_set *set, bool adaptive,
                              ehd_error *error);
 
@@ -48,7 +48,7 @@ ehd_status snapshots_put_contact(artefact *file, size_t state, const ehd_contact
                                  ehd_error *error);
 
 /* Marks a point as done if `file` has all data of its state, with the outcome `outcome`. A power
- * cut may leave an outcome without the other data; then *whole is false. */
+ * cut may leave an outcome without the other data. In this case *whole is false. */
 ehd_status snapshots_restore(
     // output:
     bool *whole, training *points,

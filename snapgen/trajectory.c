@@ -12,9 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Singular values below 1e-11 of the first are omitted. Half of this error may be the distance of
- * the snapshots from the directions of the stream. A stream is fastest if its block, here 512, has
- * about as many snapshots as the stream has directions. */
+/* Singular values below 1e-11 of the first one are omitted. Up to half of this error may come from
+ * the distance between the snapshots and the directions of the stream. A stream is fastest if its
+ * block, here 512, has about as many snapshots as the stream has directions. */
 static const pod_settings compression = {.discarded_energy = 1e-22};
 static const pod_stream_settings compression_stream = {.local_energy = 0.25e-22, .block = 512};
 
@@ -36,9 +36,9 @@ typedef struct task {
     progress progress;
 } task;
 
-enum { PARTS_SHOWN = 1000 }; // parts of the work in the progress line
+enum { PARTS_SHOWN = 1000 }; // number of parts of the work that the progress line counts
 
-/* One trajectory under way. */
+/* A trajectory that is being computed. */
 typedef struct trajectory_run {
     task *owner;
     size_t number;
@@ -118,7 +118,7 @@ static ehd_status observe(void *context, const double *residual, const double *s
 }
 
 /* Adds the iterations of a solution to the compressed sets. Iterations of a failed step, which is
- * repeated with a shorter one, are left out. */
+ * repeated with a shorter length, are left out. */
 static ehd_status end_solution(void *context, const reduced_info *info, ehd_error *error) {
     trajectory_run *self = context;
     const size_t count = info->status == EHD_NOT_CONVERGED ? 0 : self->num_iterations;

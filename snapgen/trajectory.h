@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Trains on trajectories: every step of a transient scene is a snapshot, compressed as it comes
- * (pod_stream.h), so that neither memory nor files grow with the number of steps.
+/* Trains on trajectories. Every step of a transient scene is a snapshot. The snapshots are
+ * compressed while the steps are computed (pod_stream.h), so that neither memory nor files grow
+ * with the number of steps.
  * Called by main.c for the full model, and by residuals.c for the projected system. */
 #ifndef EHD_TRAJECTORY_H
 #define EHD_TRAJECTORY_H
@@ -20,9 +21,9 @@ typedef struct trajectories {
     kept_states *kept; // [num_trajectories]
     bool *failed;      // [num_trajectories]; no state of a failed trajectory is kept
     size_t num_steps;
-    // PODs of all trajectories. Full model: `first` of the pressures, `second` empty. Reduced
-    // model: `first` of D f, `second` of D J dz. The trajectories are merged in the order of the
-    // plan, for any number of threads.
+    // PODs of all trajectories. Full model: `first` is the POD of the pressures, `second` is empty.
+    // Reduced model: `first` is the POD of D f, `second` is the POD of D J dz. The trajectories are
+    // merged in the order of the plan, for any number of threads.
     pod_basis first, second;
 } trajectories;
 

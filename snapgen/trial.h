@@ -32,7 +32,7 @@ ehd_status trial_build(
 /* The films whose error is estimated. */
 enum { FILM_CENTRAL, FILM_MINIMUM, NUM_FILMS };
 
-/* Error estimates and films of a contact by the model. */
+/* Error bounds and films that the model gives for a contact. */
 typedef struct trial_verdict {
     double bound[NUM_FILMS]; // indicator_bound, …_minimum; infinite if not converged
     double film[NUM_FILMS];  // H; NaN if not converged

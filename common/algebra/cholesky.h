@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes Cholesky factors of symmetric positive definite matrices of a few hundred rows, and
- * solves systems by them. The method is Cholesky's, in blocks of rows.
+/* Computes the Cholesky factorisation of symmetric positive definite matrices with a few hundred
+ * rows, in blocks of rows. Solves linear systems with the factor.
  * Called by least_squares.c and guess.c in romrun/solve, and by romrun/model/start_shift.c. */
 #ifndef EHD_CHOLESKY_H
 #define EHD_CHOLESKY_H
@@ -8,9 +8,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Replaces the lower part of a matrix, stored by columns, by its factor L with L L^T = matrix. The
- * part above the diagonal is not read, and has no meaning afterwards. Returns false for a matrix
- * that is not positive definite, or not finite. */
+/* Replaces the lower part of a matrix, stored by columns, by its Cholesky factor L, so that L L^T
+ * is the matrix. The part above the diagonal is not read; its content is undefined afterwards.
+ * Returns false for a matrix that is not positive definite, or not finite. */
 bool cholesky_factorise(double *matrix, // [size, size]
                         size_t size);
 

@@ -6,8 +6,8 @@
 
 #include "common/program/status.h"
 
-/* Converts the `info` that a LAPACKE function returned to EHD_OK, EHD_MEMORY (its workspace) or
- * EHD_INTERNAL (no convergence, NaN in the input, wrong argument). */
+/* Converts the `info` that a LAPACKE function returned to EHD_OK, EHD_MEMORY (no memory for its
+ * workspace) or EHD_INTERNAL (no convergence, NaN in the input, wrong argument). */
 ehd_status lapack_outcome(const char *routine, int info, ehd_error *error);
 
 #endif

@@ -13,12 +13,13 @@
  *
  *     curvature[k-1] + 4 curvature[k] + curvature[k+1] = second difference of the values
  *
- * On input `curvatures` holds the curvature at the last node. It also holds that at the first node,
- * unless this node is a mirror (`even`). 0 makes a natural spline. `factor`: [num] work array. The
- * function is inline because a single spline otherwise takes 2.6 times as many instructions. */
+ * On input `curvatures` holds the curvatures at the last node. Unless the splines are `even`, it
+ * also holds the curvatures at the first node. Curvatures of 0 give natural splines. An `even`
+ * spline is mirrored at the first node. `factor` is a work array [num]. The function is inline
+ * because a single spline otherwise takes 2.6 times as many instructions. */
 static inline void spline_curvatures(double *curvatures, double *factor, const double *values,
                                      size_t num, size_t stride, size_t width, bool even) {
-    factor[0] = even ? 0.5 : 0; // from 2 curvature[0] + curvature[1] = value[1] - value[0]
+    factor[0] = even ? 0.5 : 0; // if even: 2 curvature[0] + curvature[1] = value[1] - value[0]
     for (size_t j = 0; j < width && even; j++)
         curvatures[j] = 0.5 * (values[stride + j] - values[j]);
     for (size_t k = 1; k + 1 < num; k++) {
@@ -37,8 +38,8 @@ static inline void spline_curvatures(double *curvatures, double *factor, const d
 
 enum { NUM_SPLINE_WEIGHTS = 4 };
 
-/* A point between the nodes `node` and node + 1. The spline at this point is a weighted sum. Order
- * of the weights: value and curvature at node `node`, then at node + 1. */
+/* A point between the nodes `node` and node + 1. The spline at this point is a weighted sum of four
+ * numbers, in this order: value and curvature at `node`, value and curvature at node + 1. */
 typedef struct spline_point {
     size_t node;
     double weight[NUM_SPLINE_WEIGHTS];

@@ -10,25 +10,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Largest round-off, for columns of unit length. A column reduces the residual if their cosine is
- * larger than this limit. A column depends on the columns in use if its orthogonal part is not
- * longer. With 1e-2 solutions are not optimal (test_nnls.c, solutions_are_optimal). */
+/* Largest round-off, for columns of unit length. A column can reduce the residual only if the
+ * cosine of the angle between both exceeds this limit. A column depends on the columns in use if
+ * its part orthogonal to them is not longer than this limit. With a limit of 1e-2, solutions are
+ * not optimal (test_nnls.c, solutions_are_optimal). */
 static const double ROUND_OFF = 1e-11;
 
-/* Largest number of changes of the columns in use, per column of the matrix. After more changes
- * the search fails. One change per column is too few (test_nnls.c, solutions_are_optimal). */
+/* Largest number of changes of the set of columns in use, per column of the matrix. After more
+ * changes the search fails. One change per column is too few (test_nnls.c,
+ * solutions_are_optimal). */
 enum { MAX_CHANGES = 10 };
 
-/* Columns of unit length and the right side, rotated so that the columns in use are triangular:
- * column used[i] has zeros below row i. The rows of the right side from num_used on are the
- * residual. */
+/* The columns, scaled to unit length, and the right side. Both are rotated so that the columns in
+ * use form a triangular matrix: column used[i] has zeros below row i. The rows of the right side
+ * from num_used on are the residual. */
 typedef struct active_set {
     size_t num_rows, num_columns, num_used;
-    double *columns; // [num_columns + 1, num_rows], the last one the right side
-    double *length;  // [num_columns] original length of a column; 0: left out
+    double *columns; // [num_columns + 1, num_rows], the last column is the right side
+    double *length;  // [num_columns] original length of a column; 0: column omitted
     size_t *used;    // [num_used] columns with x > 0
     bool *in_use;    // [num_columns]
-    bool *refused;   // [num_columns] depends on the columns in use
+    bool *refused;   // [num_columns] true: depends on the columns in use
     double *value;   // [num_used] x for the columns of unit length
     double *next;    // [num_used] least squares solution of the columns in use
     double *factor;  // [num_rows] work for a reflection
@@ -74,7 +76,7 @@ static double *right_of(const active_set *self) {
     return column_of(self, self->num_columns);
 }
 
-/* Replaces [A b] by Q^T [A b] if that has fewer rows. */
+/* Replaces [A b] by R of its QR factorisation if R has fewer rows. The solution stays the same. */
 static void compress(active_set *self) {
     const size_t rows = self->num_rows, columns = self->num_columns + 1;
     if (rows <= columns) return;
@@ -112,7 +114,8 @@ static ehd_status begin(active_set *self, const double *matrix, const double *ri
     return EHD_OK;
 }
 
-/* Returns the unused column with the steepest descent above `least`; num_columns: there is none. */
+/* Returns the unused column with the steepest descent. If no descent exceeds `least`, returns
+ * num_columns. */
 static size_t steepest(const active_set *self, double least) {
     const size_t first = self->num_used, left = self->num_rows - first;
     const double *residual = right_of(self) + first;
@@ -128,8 +131,8 @@ static size_t steepest(const active_set *self, double least) {
     return best;
 }
 
-/* Takes a column into use by a Householder reflection of the rows from num_used on. Returns false
- * if the column depends on the columns in use. */
+/* Adds a column to the columns in use. A Householder reflection of the rows from num_used on makes
+ * the column triangular. Returns false if the column depends on the columns in use. */
 static bool take(active_set *self, size_t taken) {
     const size_t first = self->num_used;
     const size_t left = self->num_rows - first;
@@ -150,7 +153,8 @@ static bool take(active_set *self, size_t taken) {
     return true;
 }
 
-/* Takes a column out of use. Givens rotations make the columns behind it triangular. */
+/* Removes the column used[place] from the columns in use. Givens rotations make the later columns
+ * in use triangular again. */
 static void drop(active_set *self, size_t place) {
     self->in_use[self->used[place]] = false;
     self->num_used--;

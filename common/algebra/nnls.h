@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Solves non-negative least squares by active sets (Lawson and Hanson 1974).
+/* Solves non-negative least squares problems by the method of active sets (Lawson and Hanson 1974).
  * Called by hull.c for distances, and by deimselect/cubature.c for weights of nodes. */
 #ifndef EHD_NNLS_H
 #define EHD_NNLS_H
@@ -7,14 +7,16 @@
 #include "common/program/status.h"
 #include <stddef.h>
 
-/* Solves min |A x - b|, x >= 0, by active sets (C. L. Lawson, R. J. Hanson, Solving Least Squares
- * Problems, 1974, chapter 23). At the solution, with the residual r = b - A x, columns with x > 0
- * have a^T r = 0 and all others a^T r <= 0, to 1e-11 of |a| |b|. Columns of zeros are omitted, and
- * so are columns that depend on the columns in use to 1e-10 of their length. The iteration ends
+/* Finds the x >= 0 that minimises |A x - b|, by active sets (C. L. Lawson, R. J. Hanson, Solving
+ * Least Squares Problems, 1974, chapter 23). Let r = b - A x be the residual of the solution. A
+ * column a of A whose x is positive (a column in use) has a^T r = 0. All other columns have a^T r
+ * <= 0. Both conditions hold to 1e-11 |a| |b|. Columns of zeros are omitted. Columns that depend
+ * linearly on the columns in use, to 1e-11 of their length, are omitted too. The iteration ends
  * earlier, with fewer columns in use, if |r| is at most tolerance |b|.
  *
- * EHD_DATA: a number that is not finite. EHD_NOT_CONVERGED: no solution after ten changes per
- * column; *x is then not negative, but not optimal. EHD_MEMORY, EHD_INTERNAL. */
+ * Returns EHD_OK, EHD_DATA (a number is not finite), EHD_NOT_CONVERGED, EHD_MEMORY or EHD_INTERNAL.
+ * EHD_NOT_CONVERGED means: no solution after ten changes per column. *x is then non-negative, but
+ * not optimal. */
 ehd_status nnls_solve(
     // output:
     double *x, // [num_columns]
@@ -27,7 +29,8 @@ ehd_status nnls_solve(
 typedef struct nnls_space nnls_space;
 nnls_space *nnls_space_create(size_t max_rows, size_t max_columns); // NULL when out of memory
 nnls_space *nnls_space_free(nnls_space *space);                     // accepts and returns NULL
-/* Like nnls_solve, but in memory that is kept. EHD_INTERNAL also if the memory is too small. */
+/* Like nnls_solve, but uses memory that the caller keeps between calls. Returns EHD_INTERNAL also
+ * if this memory is too small. */
 ehd_status nnls_solve_in(
     // output:
     double *x, // [num_columns]

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes products by blocks that stay in the registers of the processor during the loop over the
- * inner index. The blocks are compiled for the instruction set of all code, and once more for
- * AVX-512, which is chosen if the processor has it. The Gram matrix of 600 x 301 numbers takes 725
- * us with AVX-512 and 1440 us with AVX2. The cblas_dsyrk of OpenBLAS 0.3.21 takes 850 us as
- * SkylakeX, 1470 us as Haswell and 3070 us as Prescott (one busy AMD EPYC of family 26). */
+ * inner index. The function for one block is compiled twice: with the instruction set of all other
+ * code, and with AVX-512. The program uses AVX-512 if the processor supports it.
+ *
+ * Times for the Gram matrix of 600 x 301 numbers, on a busy AMD EPYC of family 26: 725 us with
+ * AVX-512, 1440 us with AVX2. The cblas_dsyrk of OpenBLAS 0.3.21 takes 850 us with its kernel for
+ * SkylakeX, 1470 us with its kernel for Haswell and 3070 us with its kernel for Prescott. */
 #include "common/algebra/product.h"
 
 #include "common/algebra/vectors.h"
@@ -11,20 +13,22 @@
 #include <stdbool.h>
 #include <string.h>
 
-// range of the inner index in one pass, so that a block's columns of B stay in the first cache
+// number of values of the inner index that are summed before the next block. The columns of B that
+// a block needs then stay in the first-level cache
 enum { CHUNK = 256 };
 
 typedef struct block_size {
     size_t rows, columns;
 } block_size;
 
-/* Adds factor A B of one block to C. The block before has done the rows and columns before
- * `first`. */
+/* Adds factor A B to C in one block. Skips the rows and columns before `first`, where this block
+ * overlaps an earlier one. */
 typedef void block_function(double *product, size_t stride, double factor, strided left,
                             const double *right, size_t right_stride, size_t num_inner,
                             block_size first);
 
-/* Defines a block_function for `height` rows by `count` registers of `width` numbers. */
+/* Defines a block_function for a block of `height` rows. Each row has `count` registers of `width`
+ * numbers. */
 #define DEFINE_BLOCK(name, attributes, width, count, height)                                       \
     attributes static void name(double *product, size_t stride, double factor, strided left,       \
                                 const double *right, size_t right_stride, size_t num_inner,        \
@@ -91,8 +95,9 @@ static size_t least(size_t a, size_t b) {
     return a < b ? a : b;
 }
 
-/* Adds factor A B to C, or to its part on and above the diagonal, block by block. The last blocks
- * begin earlier than in a regular division, so that they end with the matrix. */
+/* Adds factor A B to C, block by block. If `upper`, adds only the blocks that reach the diagonal or
+ * lie above it. The last block of a row or column ends with the matrix, and therefore overlaps the
+ * block before it. */
 static void add_blocks(double *product, size_t stride, double factor, strided left,
                        const double *right, size_t right_stride, size_t num_rows,
                        size_t num_columns, size_t num_inner, bool upper) {
@@ -138,7 +143,7 @@ void gram_matrix(double *gram, const double *matrix, size_t num_rows, size_t num
 void add_product(double *y, const double *matrix, size_t stride, size_t num_rows,
                  size_t num_columns, const double *x) {
     const size_t whole = num_columns / 4 * 4, left = num_columns - whole;
-    vector tail = {0}; // last numbers of x, after zeros
+    vector tail = {0}; // zeros, then the last numbers of x
     size_t i = 0;
 
     for (size_t j = 4 - left; j < 4; j++)

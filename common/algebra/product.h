@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes products of the small matrices of reduced models. They replace BLAS for two reasons.
- * The library and FMUs do not contain BLAS. An OpenBLAS that does not recognise the processor runs
- * its kernels for processors of 2004.
+/* Computes products of matrices, for the small matrices of reduced models. These functions replace
+ * BLAS for two reasons. The library and FMUs do not contain BLAS. An OpenBLAS that does not
+ * recognise the processor runs kernels that were made for processors of 2004.
  * Called by cholesky.c, and by the folders model, state, solve, trust and online of romrun. */
 #ifndef EHD_PRODUCT_H
 #define EHD_PRODUCT_H
@@ -46,7 +46,8 @@ void add_matrix_product(
     const double *right, // B, [num_inner, num_columns], rows `right_stride` numbers apart
     size_t right_stride, size_t num_rows, size_t num_columns, size_t num_inner);
 
-/* Computes the lower part of J^T J, by columns. The part above the diagonal must not be used. */
+/* Computes the lower part of J^T J, stored by columns. The part above the diagonal must not be
+ * used. */
 void gram_matrix(
     // output:
     double *gram, // [num_columns, num_columns]

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reduces a matrix to triangular form by reflections (Householder 1958), and solves least squares.
+/* Reduces a matrix to triangular form by reflections (Householder 1958), and solves least squares
+ * problems.
  * Called by nnls.c, by common/physics/far_angle.c and by romrun/solve/least_squares.c. */
 #ifndef EHD_QR_H
 #define EHD_QR_H
@@ -13,7 +14,7 @@ typedef struct reflection {
     double end; // first number of the reflected column; the others become zero
 } reflection;
 
-/* Returns the reflection of a vector onto its first axis. */
+/* Returns the reflection that turns a vector onto the first axis. */
 reflection reflection_of(
     // output:
     double *direction, // [count]
@@ -25,8 +26,8 @@ reflection reflection_of(
 /* Applies a reflection to a column. */
 void reflect(double *column, const reflection *by, size_t count);
 
-/* Replaces a matrix by R of its QR factorisation, with zeros below the diagonal. Columns that are
- * appended to it, such as a right side b, become Q^T b. */
+/* Replaces a matrix by R of its QR factorisation, with zeros below the diagonal. A column b that is
+ * appended to the matrix, such as a right side, becomes Q^T b. */
 void qr_reduce(
     // in and out:
     double *columns, // [num_columns, num_rows], by columns

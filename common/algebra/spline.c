@@ -9,7 +9,7 @@ struct spline {
     size_t num;
     double *x, *value, *bend; // [num]; bend: second derivative
     double *factor;           // [num] work
-    double numbers[];         // storage of these arrays
+    double numbers[];         // storage of the arrays above
 };
 
 enum { NUM_ARRAYS = 4 };
@@ -78,8 +78,8 @@ size_t spline_interval(const spline *self, double x, size_t near) {
     return low;
 }
 
-/* Computes the linear, quadratic and cubic coefficients of an interval's polynomial in the
- * distance from the interval's first node. */
+/* Computes the linear, quadratic and cubic coefficients of the polynomial on interval i. The
+ * variable of the polynomial is the distance from node i. */
 static void coefficients(double of[3], const spline *self, size_t i) {
     const double width = self->x[i + 1] - self->x[i];
 

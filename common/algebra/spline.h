@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes natural cubic splines, by the tridiagonal equations of their second derivatives. GSL's
- * splines are not used: they end the process when out of memory, or for a place outside of the
+ * splines are not used: they end the process when out of memory, and when x lies outside of the
  * nodes.
  * Called by history.c and surface.c in common/time, by fullrun/previous.c, and by
  * romrun/calibrate/against.c. */
@@ -17,23 +17,23 @@ spline *spline_create(size_t num);
 spline *spline_free(spline *self); // accepts and returns NULL
 double spline_bytes(size_t num);
 
-/* Fits the spline to values at increasing places, both [num]. The spline copies them. */
+/* Fits the spline to values at increasing x. Both arrays are [num], and the spline copies them. */
 void spline_fit(spline *self, const double *x, const double *values);
 
-/* Returns the interval i around a place, between the nodes i and i + 1. `near` is an interval that
- * is tried first. Places outside belong to the first or the last interval, whose cubic is
- * extrapolated. */
+/* Returns the interval i that contains x, between the nodes i and i + 1. The interval `near` is
+ * tried first. If x lies outside of the nodes, returns the first or the last interval, whose cubic
+ * is then extrapolated. */
 size_t spline_interval(const spline *self, double x, size_t near);
 
-/* Returns the value at the place x, which lies in this interval. */
+/* Returns the value at x, which lies in this interval. */
 double spline_value(const spline *self, double x, size_t interval);
 
-/* Return value, first and second derivative at a place. */
+/* Return the value, the first derivative and the second derivative at x. */
 double spline_at(const spline *self, double x);
 double spline_slope(const spline *self, double x);
 double spline_bend(const spline *self, double x);
 
-/* Returns the integral from the first node to a place. */
+/* Returns the integral from the first node to x. */
 double spline_integral(const spline *self, double x);
 
 #endif

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads and writes artefacts: the HDF5 files that link the programs. Only this folder calls HDF5.
  *
- * In a process, only one function of this folder may run at a time, whatever files are open: Debian
- * builds HDF5 without thread safety. HDF5 prints nothing, loads no filter plugins, and is not shut
- * down at exit.
+ * Only one function of this folder may run at a time in a process, even if the calls use different
+ * files: Debian builds HDF5 without thread safety. HDF5 prints nothing, loads no filter plugins,
+ * and is not shut down at exit.
  *
  * A field is declared once in a schema table (schemas.c); reader, writer and the pages in schemas/
  * all use that declaration. */
@@ -21,9 +21,9 @@ enum { ARTEFACT_MAX_RANK = 4, ARTEFACT_MAX_NODES = 100000000 };
 
 typedef enum artefact_type { ARTEFACT_REAL, ARTEFACT_INTEGER, ARTEFACT_TEXT } artefact_type;
 typedef enum artefact_need {
-    NEED_ALWAYS,  // programs of others must also write the item
+    NEED_ALWAYS,  // every program that makes such a file must write the item
     NEED_OWN,     // our programs always write the item; readers accept files without it
-    NEED_OPTIONAL // depends on the settings
+    NEED_OPTIONAL // the settings decide whether the item is written
 } artefact_need;
 
 /* Ranges for the numbers of a field or an attribute (values.c). If the entries of a field have a
@@ -42,27 +42,29 @@ typedef enum artefact_values {
     VALUES_INDEX_OR_NONE,
     VALUES_STATE_OR_NONE,
     VALUES_COLUMN,      // index into x; the length of x means none
-    VALUES_FILM_COLUMN, // column of film nodes, from 1 to their number
-    VALUES_ROW,         // indices of inner nodes of the grid, each once
+    VALUES_FILM_COLUMN, // column of film nodes, from 1 to the number of columns
+    VALUES_ROW,         // indices of inner nodes of the grid, no index twice
     VALUES_FILM_NODE    // indices of film nodes, ascending
 } artefact_values;
 
-/* Factor that converts a dimensionless number to SI units: the first of `attributes` that the file
- * has. The schema gives the SI unit of that attribute. If `frame` is set, the factor is multiplied
- * by that field, because the number is scaled by its own frame. */
+/* Describes the factor that converts a dimensionless number to SI units. The factor is the first of
+ * `attributes` that the file has. The schema gives the SI unit of that attribute. If `frame` is
+ * set, the factor is also multiplied by the field `frame`, because each entry has a unit of its
+ * own, such as the half width at its time. */
 typedef struct artefact_scale {
     // names of the attributes that hold the unit, such as "film_unit"; NULL: the frame holds it
     const char *attributes[2];
-    const char *frame; // field along one axis, relative to the attribute; NULL: none
+    const char *frame; // name of a field along one axis, in multiples of the attribute; NULL: no
+                       // field is a factor
 } artefact_scale;
 
 typedef struct artefact_axis {
     const char *name;            // "x", "state", "pressure_mode"
     const char *units;           // "1"
-    const char *long_name;       // index axes get 0, 1, 2, … as their scale
+    const char *long_name;       // meaning; the scale of a pure index is 0, 1, 2, …
     size_t max;                  // a longer axis is refused
-    bool optional;               // a file may lack the axis; its fields then have one axis fewer
-    const artefact_scale *scale; // NULL: dimensionless or already in SI units; as in fields
+    bool optional;               // a file may lack the axis; fields then leave the axis out
+    const artefact_scale *scale; // NULL: the numbers are dimensionless, or already in SI units
 } artefact_axis;
 
 typedef struct artefact_field {
@@ -74,7 +76,7 @@ typedef struct artefact_field {
     artefact_need need;
     artefact_values values;
     bool by_entry; // read entry by entry along the first axis; most entries may be missing
-    const artefact_scale *scale;
+    const artefact_scale *scale; // NULL: the numbers are dimensionless, or already in SI units
 } artefact_field;
 
 typedef struct artefact_attribute {
@@ -89,8 +91,8 @@ typedef struct artefact_attribute {
 
 typedef struct artefact_schema {
     const char *name;                     // "ehdrom-snapshots"
-    int major, minor;                     // a reader refuses a larger major version, accepts any
-                                          // minor one
+    int major, minor;                     // a reader refuses a larger major version, but
+                                          // accepts any minor version
     const char *title;                    // attribute `title` of such a file
     const artefact_axis *axes;            // ends with {0}
     const artefact_field *fields;         // ends with {0}
@@ -106,12 +108,14 @@ typedef struct artefact artefact;
 // ---- writing
 
 /* Creates PATH.partial for writing. PATH itself is untouched until artefact_finish. EHD_CANTCREATE:
- * PATH.partial cannot be written, or another process writes it. Without program->force also if PATH
- * exists, or PATH.partial holds finished work of an interrupted run.
+ * PATH.partial cannot be written, or another process writes PATH.partial. Without program->force,
+ * the function also returns EHD_CANTCREATE if PATH exists, or if PATH.partial holds finished work
+ * of an interrupted run.
  *
- * `settings_text` is stored as attribute `settings`. The SHA-256 of each of `inputs`
- * (NULL-terminated paths, may be NULL) is stored in `input_<n>_path` and `input_<n>_sha256`.
- * History lines of inputs that are artefacts come before the line of this run. */
+ * `settings_text` is stored as attribute `settings`. For each path in `inputs` (NULL-terminated,
+ * may be NULL), the attributes `input_<n>_path` and `input_<n>_sha256` store the path and the
+ * SHA-256 of the file. In the history, the lines of inputs that are artefacts come before the line
+ * of this run. */
 ehd_status artefact_create(
     // output:
     artefact **file,
@@ -120,8 +124,8 @@ ehd_status artefact_create(
     const char *settings_text, const char *const *inputs, ehd_error *error);
 
 /* Creates a file like artefact_create, with a growing axis that has no entries yet. Only the first
- * axis of a field may grow. Entries that are never written read as NaN or -1; if an entry has
- * several numbers, an unwritten entry takes no space on disk. */
+ * axis of a field may grow. An entry that was never written is read as NaN (real numbers) or -1
+ * (integers). If an entry has several numbers, it takes no space on disk until it is written. */
 ehd_status artefact_create_growing(
     // output:
     artefact **file,
@@ -129,15 +133,15 @@ ehd_status artefact_create_growing(
     const char *path, const artefact_schema *schema, const char *axis, const program *program,
     const char *settings_text, const char *const *inputs, ehd_error *error);
 
-/* Declares an axis with at least one entry and writes its scale. `values` NULL: the integers 0, 1,
- * 2, … */
+/* Declares an axis with at least one entry and writes its scale. If `values` is NULL, the scale is
+ * 0, 1, 2, … */
 ehd_status artefact_put_axis(artefact *file, const char *name, size_t length, const double *values,
                              ehd_error *error);
 
-/* Writes `count` values of the growing axis from `first` on. If the axis becomes longer, all
- * fields on it grow first and the axis itself last. A reader that looks up the length of the axis
- * therefore finds that many entries in every field. Call it after the fields of these entries have
- * been written. */
+/* Writes `count` values of the growing axis from `first` on. If the axis becomes longer, all fields
+ * on it grow first and the axis itself last. A reader that looks up the length of the axis
+ * therefore finds that many entries in every field. Write the fields of these entries before you
+ * call artefact_put_axis_part. */
 ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first, size_t count,
                                   const double *values, ehd_error *error);
 
@@ -147,11 +151,11 @@ ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first
 ehd_status artefact_declare(artefact *file, const char *field, ehd_error *error);
 
 /* Declares a field like artefact_declare, but each entry along the first axis has a checksum of its
- * own. A kill while one entry is overwritten leaves the other entries whole. */
+ * own. If the process is killed while it overwrites one entry, the other entries stay intact. */
 ehd_status artefact_declare_apart(artefact *file, const char *field, ehd_error *error);
 
-/* Writes a whole field, or `count` entries along its first axis from `first` on. A field on the
- * growing axis grows as needed. */
+/* Write a whole field, `count` entries of a field along its first axis from entry `first` on, or an
+ * attribute. A field on the growing axis grows as needed. */
 ehd_status artefact_put(artefact *file, const char *field, const double *data, ehd_error *error);
 ehd_status artefact_put_integers(artefact *file, const char *field, const int64_t *data,
                                  ehd_error *error);
@@ -165,39 +169,41 @@ ehd_status artefact_put_integer(artefact *file, const char *attribute, int64_t v
 ehd_status artefact_put_text(artefact *file, const char *attribute, const char *text,
                              ehd_error *error);
 
-/* Starts streaming: from now on the file stays readable at any moment, even after a kill, and
- * others may read it (HDF5 single writer, multiple readers). All NEED_ALWAYS and NEED_OWN fields
- * must have been declared, and all NEED_ALWAYS attributes written (else EHD_INTERNAL). Afterwards
- * only artefact_put*_part on declared fields and the growing axis may follow, then artefact_flush,
- * artefact_end_streaming, artefact_finish or artefact_close.
+/* Starts streaming (HDF5: single writer, multiple readers). From now on other processes may read
+ * the file, and the file stays readable even if the writer is killed. All NEED_ALWAYS and NEED_OWN
+ * fields must have been declared, and all NEED_ALWAYS attributes written (else EHD_INTERNAL).
+ * Afterwards, only artefact_put*_part on declared fields and on the growing axis, artefact_flush,
+ * artefact_end_streaming, artefact_finish and artefact_close are allowed.
  *
- * Entries reach the file in the order of the calls. A `status` that is put last is therefore never
- * visible before the data of its entry. */
+ * Entries reach the file in the order of the calls. If the `status` of an entry is written last, a
+ * reader therefore never sees this status before the data of the entry. */
 ehd_status artefact_begin_streaming(artefact *file, ehd_error *error);
 ehd_status artefact_flush(artefact *file, ehd_error *error);
 /* Flushes like artefact_flush and waits until the data are on the disk, so that they survive a
  * power cut. EHD_IO. */
 ehd_status artefact_sync(artefact *file, ehd_error *error);
 /* Copies a file with a growing axis to PATH.saved; does nothing for other files. Call it after
- * artefact_flush. Each entry changes HDF5's metadata, and a power cut can leave them inconsistent;
- * artefact_resume then continues from PATH.saved. artefact_begin_streaming makes the first copy.
- * Another copy is made only after fifty times the time that the last one took. If copying fails,
- * the earlier copy stays. */
+ * artefact_flush. The copy is needed because each entry changes HDF5's metadata, and a power cut
+ * can leave the metadata inconsistent. artefact_resume then continues from PATH.saved.
+ * artefact_begin_streaming makes the first copy. artefact_save makes another copy only after a
+ * pause of fifty times the duration of the last copy. If copying fails, the earlier copy stays. */
 void artefact_save(artefact *file);
 
 /* Returns from streaming to ordinary writing, for attributes that are known only at the end.
  * artefact_finish calls it if needed. Does nothing if the file is not streaming. */
 ehd_status artefact_end_streaming(artefact *file, ehd_error *error);
 
-/* Opens PATH.partial of an earlier run and streams again. If the machine has been rebooted since
- * then, PATH.saved is used if it exists. The axes and declared fields of the file can also be read.
+/* Opens PATH.partial of an earlier run and starts streaming again. If the machine has been rebooted
+ * since then and PATH.saved exists, PATH.saved is used instead. The axes and declared fields of the
+ * file can also be read.
  *
- * EHD_NOINPUT: no such file, or a file from a run that was interrupted before streaming. EHD_DATA:
+ * EHD_NOINPUT: there is no PATH.partial, or its run was interrupted before it streamed. EHD_DATA:
  * the file is damaged, or its schema or settings (scene_text_matches) differ. EHD_CANTCREATE: PATH
  * exists and program->force is not set, or another process writes the file.
  *
- * A file with a growing axis is not streaming yet, and its datasets may differ in length by the
- * entries that a killed run was writing. artefact_cut_axis must come next. */
+ * A file with a growing axis is not streaming yet: its datasets may differ in length, because a
+ * killed run may have written its last entries to only some of them. Call artefact_cut_axis
+ * next. */
 ehd_status artefact_resume(
     // output:
     artefact **file,
@@ -205,9 +211,9 @@ ehd_status artefact_resume(
     const char *path, const artefact_schema *schema, const program *program,
     const char *settings_text, ehd_error *error);
 
-/* Checks one finished training state after artefact_resume: its data are whole and its numbers in
- * range, else EHD_DATA. artefact_resume does not check them, because states that a killed run had
- * not finished may be damaged. */
+/* Checks one finished training state after artefact_resume. EHD_DATA: the data of the state are
+ * damaged, or a number is out of range. artefact_resume itself does not check the states, because
+ * states that a killed run had not finished may be damaged. */
 ehd_status artefact_check_entry(artefact *file, size_t entry, ehd_error *error);
 
 /* Checks after artefact_resume that an input still has the content that it had when the output was
@@ -216,31 +222,32 @@ ehd_status artefact_check_entry(artefact *file, size_t entry, ehd_error *error);
 ehd_status artefact_check_input(artefact *file, const char *what, const char *path,
                                 ehd_error *error);
 
-/* Removes the entries of the growing axis from `length` on, checks the entries before, and streams
- * again. Call it only after artefact_resume. EHD_DATA: the file has fewer entries, kept entries
- * are damaged, or no axis grows. */
+/* Cuts the growing axis to its first `length` entries, checks these entries, and starts streaming
+ * again. Call it only after artefact_resume. EHD_DATA: the file has fewer entries, kept entries are
+ * damaged, or no axis grows. */
 ehd_status artefact_cut_axis(artefact *file, const char *name, size_t length, ehd_error *error);
 
 /* Copies all axes, fields and attributes of the schema from an opened file to an empty file of the
- * same schema, except some axes and the fields along them. `from` may come from another program;
- * NEED_OWN items that it lacks may also be missing in the copy. */
+ * same schema, except the axes in `except_axes` and the fields along these axes. `from` may come
+ * from another program. NEED_OWN items that `from` lacks may also be missing in the copy. */
 ehd_status artefact_copy(
     // output:
     artefact *to,
     // input:
     artefact *from,
-    const char *const *except_axes, // NULL at the end; NULL: none
+    const char *const *except_axes, // names of the axes, ended by NULL; NULL: all axes are copied
     ehd_error *error);
 
-/* Writes `complete` = 1 last, closes with every error checked, syncs to disk and renames to the
- * final name. All NEED_ALWAYS and NEED_OWN items must have been written, and a growing axis must
- * have an entry (else EHD_INTERNAL). Frees the file in any case. On failure PATH.partial stays if
- * it was streaming or if only syncing or renaming failed; otherwise it is removed. */
+/* Writes `complete` = 1 last, closes the file and checks every error, waits until the file is on
+ * disk, and gives it the final name. All NEED_ALWAYS and NEED_OWN items must have been written, and
+ * a growing axis must have an entry (else EHD_INTERNAL). Frees the file in any case. On failure
+ * PATH.partial stays if it was streaming or if only syncing or renaming failed; otherwise it is
+ * removed. */
 ehd_status artefact_finish(artefact **file, ehd_error *error);
 
-/* HDF5 settings of a host program in whose process files are read. artefact_visit saves them and
- * sets ours; artefact_leave restores them. HDF5's behaviour at exit does not change. One thread at
- * a time. */
+/* HDF5 settings of a host program, in whose process the library reads files. artefact_visit saves
+ * these settings and sets ours; artefact_leave restores the saved settings. HDF5's behaviour at
+ * exit does not change. Only one thread at a time may be between the two calls. */
 typedef struct artefact_guest {
     void (*print)(void); // HDF5's function for printing errors
     void *data;
@@ -251,9 +258,10 @@ void artefact_leave(const artefact_guest *host);
 
 // ---- reading
 
-/* Opens a finished artefact for reading. EHD_NOINPUT: missing. EHD_DATA: not HDF5, truncated,
- * empty, wrong schema, newer major version, complete = 0, a needed field missing, of another rank
- * or with axes of unequal length. `schemas`: the accepted schemas, NULL at the end. */
+/* Opens a finished artefact for reading. `schemas` lists the accepted schemas, with NULL at the
+ * end. EHD_NOINPUT: there is no such file. EHD_DATA: the file is empty, is truncated or is not
+ * HDF5; it has a wrong schema, a newer major version or complete = 0; or a required field is
+ * missing, has another rank, or has axes of unequal length. */
 ehd_status artefact_open(
     // output:
     artefact **file,
@@ -264,9 +272,9 @@ ehd_status artefact_open(
  * written is removed. Accepts a NULL file. */
 void artefact_close(artefact **file);
 
-/* Opens a file like artefact_open, but also one that is being written or was left unfinished
- * (PATH.partial). The growing axis gives the number of valid entries. Fields on it may be longer;
- * read them with artefact_get_part. */
+/* Opens a file like artefact_open, but also accepts a file that is being written or was left
+ * unfinished (PATH.partial). The growing axis gives the number of valid entries. Fields on this
+ * axis may be longer; read these fields with artefact_get_part. */
 ehd_status artefact_open_unfinished(
     // output:
     artefact **file,
@@ -296,10 +304,10 @@ size_t artefact_axes(const char *axes[ARTEFACT_MAX_RANK], const artefact *file,
 /* Checks whether an axis has values for artefact_get_axis. */
 bool artefact_has_scale(const artefact *file, const char *axis);
 
-/* Read into the caller's memory, which has room for `room` numbers. EHD_DATA: the file has more or
- * fewer numbers (for example, its axes do not fit each other), a checksum fails, or an optional
- * field, attribute or scale is missing. Files of other programs may lack scales: then
- * artefact_length still works, and artefact_get_axis returns EHD_DATA. */
+/* Read into the caller's memory, which has room for `room` numbers. EHD_DATA: the file does not
+ * have exactly `room` numbers (for example, because its axes do not fit each other), a checksum
+ * fails, or an optional field, attribute or scale is missing. Files of other programs may lack
+ * scales. artefact_length then still works, but artefact_get_axis returns EHD_DATA. */
 ehd_status artefact_get_axis(artefact *file, const char *axis, double *values, size_t room,
                              ehd_error *error);
 ehd_status artefact_get(artefact *file, const char *field, double *data, size_t room,
@@ -320,9 +328,9 @@ ehd_status artefact_get_text(artefact *file, const char *attribute, char **text,
  * read back the same value. */
 ehd_status artefact_show_attribute(artefact *file, const char *attribute, char **text,
                                    ehd_error *error);
-/* Returns the factor of a scale without its frame, and the SI units that the factor leads to. A
- * scale that has only a frame has factor 1. EHD_DATA: the file lacks the attribute, because its
- * contact was not given in SI units. */
+/* Returns the factor of a scale, without the field `frame`, and the SI units of the converted
+ * numbers. A scale that has only a frame has factor 1. EHD_DATA: the file lacks the attribute,
+ * because its contact was not given in SI units. */
 ehd_status artefact_get_scale(
     // output:
     double *factor, const char **units,
@@ -337,7 +345,8 @@ void artefact_visit_attributes(const artefact *file, void (*visit)(const char *n
  * its schema, so that every checksum is verified. */
 ehd_status artefact_check(const char *path, ehd_error *error);
 
-/* Prints the tables of a schema as Markdown. A test compares the pages in schemas/ with them. */
+/* Prints the tables of a schema as Markdown. A test compares the pages in schemas/ with these
+ * tables. */
 void artefact_print_markdown(const artefact_schema *schema, FILE *stream);
 
 #endif

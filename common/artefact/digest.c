@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes digests of the content of a file, which show accidental changes. The root attribute
- * content_sha256 has a line "SHA-256 NAME" for each axis and dataset of the schema, and one for its
- * attributes. The attribute is written when a file gets its final name. */
+ * content_sha256 has a line "SHA-256 NAME" for each axis and dataset of the schema, and one line
+ * for all attributes. The attribute is written when a file gets its final name. */
 #include "common/artefact/internal.h"
 
 #include <endian.h>
@@ -71,7 +71,7 @@ void digest_add(content_digest *self, size_t first, size_t count, const void *nu
         add_numbers(&self->context, numbers, count * self->entry);
         return;
     }
-    // entries that were never written read as NaN, and are skipped
+    // entries that were never written are NaN; they are skipped
     for (size_t e = 0; e < count; e++) {
         const double *entry = (const double *)numbers + e * self->entry;
         if (!is_known(entry, self->entry)) continue;
@@ -123,7 +123,7 @@ static void hash_attributes(const artefact *file, char digest[65]) {
 
 // ---- reading
 
-/* Returns the stored digest of a name; NULL: none. */
+/* Returns the stored digest of a name, or NULL if no digest is stored. */
 static const char *find_digest(const artefact *file, const char *name) {
     const size_t digits = 64, length = strlen(name);
 
@@ -219,7 +219,8 @@ ehd_status put_digests(artefact *file, ehd_error *error) {
     char *text = NULL;
     size_t size = 0;
 
-    // a digest that this file got when it was finished before would no longer match
+    // a resumed file may have a digest from an earlier attempt to finish it, which no longer
+    // matches
     if (!is_wanted())
         return hdf5_has_attribute(file->id, attribute_name) &&
                        H5Adelete(file->id, attribute_name) < 0

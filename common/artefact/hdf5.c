@@ -9,7 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* An attribute and its name must fit into one message of an object header, which has 64 kB. */
+/* An attribute and its name must fit into one message of an object header, which holds at most 64
+ * kB. */
 enum { PIECE_BYTES = 60000 };
 
 static _Thread_local bool started = false;
@@ -38,7 +39,7 @@ void hdf5_start(void) {
     if (started) return;
     started = true;
     H5dont_atexit();                                          // must be the first call
-    if (open_hdf5() < 0 || errno == ENOMEM) not_begun = true; // HDF5 may miss a lack of memory
+    if (open_hdf5() < 0 || errno == ENOMEM) not_begun = true; // H5open may hide a lack of memory
     be_quiet();
 }
 
@@ -65,8 +66,8 @@ void artefact_leave(const artefact_guest *host) {
 // the file driver reports "…, errno = 28, error message = 'No space left on device', buf = …"
 static const char system_key[] = "error message = '";
 
-/* Keeps the message of the first frame, where the error was found, or of a later frame with a
- * message of the system. */
+/* Keeps the message of the first frame of the error stack, where the error was found. If a later
+ * frame has a message of the operating system, keeps the later message. */
 static herr_t take_first(unsigned depth, const H5E_error2_t *frame, void *data) {
     hdf5_reason *reason = data;
     if (frame->desc && (depth == 0 || strstr(frame->desc, system_key)))
@@ -92,7 +93,8 @@ hdf5_reason hdf5_last_reason(void) {
 
 void hdf5_release(hid_t id) {
     if (id < 0) return;
-    // usually there is no error to keep; copying the stack takes as long as closing a space
+    // usually there is no error to keep, and copying the error stack would take as long as closing
+    // a dataspace
     if (H5Eget_num(H5E_DEFAULT) == 0) {
         H5Idec_ref(id);
         return;
@@ -102,8 +104,8 @@ void hdf5_release(hid_t id) {
     H5Eset_current_stack(stack);
 }
 
-/* First look-up that failed, and why. One variable for all files, since only one thread is here at
- * a time. */
+/* Reason of the first look-up that failed. One variable is enough for all files, because only one
+ * thread at a time runs these functions. */
 static hdf5_reason unknown;
 static bool has_unknown;
 
@@ -118,8 +120,8 @@ static bool exists(htri_t found) {
     return found > 0;
 }
 
-/* Called for an attribute that exists but was not read: after a lack of memory, its type is unknown
- * rather than wrong. */
+/* Is called for an attribute that exists but could not be read. After a lack of memory, the type of
+ * the attribute is unknown, not wrong. */
 void hdf5_note_failure(void) {
     if (errno == ENOMEM) note_unknown();
 }
@@ -140,7 +142,8 @@ ehd_status hdf5_blame(ehd_status status, const char *path, ehd_error *error) {
 ehd_status hdf5_write_failed(artefact *file, const char *object, ehd_error *error) {
     hdf5_reason reason = hdf5_last_reason();
     file->failed = true;
-    // HDF5 reads a chunk before it writes a part of the chunk; a resumed file may be damaged
+    // HDF5 reads a chunk before it writes a part of the chunk; in a damaged resumed file this
+    // reading may fail
     if (file->history_line && !reason.system) return hdf5_read_failed(file, object, error);
     ehd_fail(error, EHD_IO, "%s: %s: found a write failure (%s), expected it to be written",
              file->partial, object, reason.text);
@@ -161,8 +164,9 @@ ehd_status hdf5_read_failed(const artefact *file, const char *object, ehd_error 
 // ---- files
 
 /* Sets how a file is opened. HDF5's locks are off because they fail on some network file systems;
- * our own lock excludes a second writer. Like all functions that set properties, returns false if
- * a property cannot be set for lack of memory, because the file would then differ. */
+ * our own lock excludes a second writer. Returns false if a property cannot be set for lack of
+ * memory, because the file would then be written differently. The other functions that set
+ * properties do the same. */
 static bool set_access(hid_t access) {
     return H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110) >= 0 &&
            H5Pset_file_locking(access, false, true) >= 0 &&
@@ -175,7 +179,8 @@ static bool write_through(hid_t access) {
     return H5Pset_cache(access, 0, 0, 0, 0.75) >= 0;
 }
 
-/* Switches on a property that has no function of its own. */
+/* Switches on a property for which HDF5 has no function, if this version of HDF5 has the
+ * property. */
 static bool switch_on(hid_t access, const char *name) {
     const hbool_t yes = true;
     const htri_t there = H5Pexist(access, name);
@@ -184,8 +189,8 @@ static bool switch_on(hid_t access, const char *name) {
 
 /* Number of attempts to read metadata whose checksum fails because a writer changes them. HDF5
  * doubles the wait each time, from 1 ns on: 33 ms in all. With its default of 100 attempts, the
- * waits would never end on a damaged file. Without another process that writes, a failed checksum
- * means damage. */
+ * waits would never end on a damaged file. If no other process writes the file, one attempt is
+ * enough, because a failed checksum then means damage. */
 enum { READ_ATTEMPTS = 25 };
 
 static bool set_opening(hid_t access, unsigned flags, bool clear_flags) {
@@ -197,8 +202,8 @@ static bool set_opening(hid_t access, unsigned flags, bool clear_flags) {
             (switch_on(access, "clear_status_flags") && switch_on(access, "skip_eof_check")));
 }
 
-/* Checks whether a file is not HDF5: without its signature at 0, 512, 1024, 2048, … bytes. HDF5
- * 1.14 passes such a file to all plugins and so runs their code, whatever was set with
+/* Checks whether a file is not HDF5, because it has no HDF5 signature at byte 0, 512, 1024, 2048, …
+ * HDF5 1.14 passes such a file to all plugins and so runs their code, whatever was set with
  * H5PLset_loading_state. */
 static bool is_foreign(const char *path, off_t size) {
     static const unsigned char signature[8] = "\211HDF\r\n\032\n";
@@ -216,7 +221,7 @@ static bool is_foreign(const char *path, off_t size) {
 }
 
 hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags) {
-    has_unknown = false; // left over from another file
+    has_unknown = false; // it may be left over from another file
     errno = 0;
     struct stat about;
     const bool is_there = stat(path, &about) == 0;
@@ -232,8 +237,8 @@ hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags) {
     hid_t access = H5Pcreate(H5P_FILE_ACCESS), file = -1;
     if (set_opening(access, flags, clear_flags)) file = H5Fopen(path, flags, access);
     hdf5_release(access);
-    // a killed writer may have written behind the end of file in the superblock; that space must
-    // not be reused
+    // a killed writer may have written behind the end of file that the superblock states; that
+    // space must not be reused
     if (file >= 0 && clear_flags && flags & H5F_ACC_RDWR && H5Fincrement_filesize(file, 0) < 0) {
         hdf5_release(file);
         return -1;
@@ -242,14 +247,14 @@ hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags) {
 }
 
 /* Keeps all attributes and links in the object header, one checksummed block that is read at once.
- * HDF5 would otherwise move many of them to a heap and an index. */
+ * HDF5 would otherwise move many attributes and links to a heap and an index. */
 static bool keep_in_header(hid_t properties) {
     return H5Pset_attr_phase_change(properties, 65535, 0) >= 0 &&
            H5Pset_link_phase_change(properties, 65535, 0) >= 0;
 }
 
-/* Keeps objects that are smaller than a page of the system within one page. If a kill interrupts a
- * write, it does so between two pages, so no metadata and no small chunk is half written. */
+/* Keeps objects that are smaller than a page of the system within one page. A kill can interrupt a
+ * write only between two pages, so no metadata and no small chunk is half written. */
 static bool keep_in_pages(hid_t creation) {
     return H5Pset_file_space_strategy(creation, H5F_FSPACE_STRATEGY_PAGE, false, 1) >= 0 &&
            H5Pset_file_space_page_size(creation, HDF5_PAGE_BYTES) >= 0;
@@ -265,9 +270,10 @@ hid_t hdf5_create(const char *path) {
     return file;
 }
 
-/* Checks whether a failed look-up is to be repeated: after a lack of memory, because HDF5 has
- * freed memory since then. Without the repetition a reader would go on as if the file lacked the
- * item. After a read failure, the second look-up would wrongly return "no". */
+/* Checks whether a failed look-up is to be repeated. It is repeated after a lack of memory, because
+ * HDF5 has freed memory since then; without the repetition, a reader would go on as if the file
+ * lacked the item. It is not repeated after a read failure, because the second look-up would
+ * wrongly return "no". */
 static bool is_to_be_repeated(htri_t found) {
     return found < 0 && errno == ENOMEM;
 }
@@ -361,8 +367,8 @@ bool hdf5_put_text(hid_t root, const char *name, const char *text) {
     return written;
 }
 
-/* Reads a fixed-length string. The string may fill its space to the last byte, and Fortran pads
- * with blanks. */
+/* Reads a fixed-length string. The string may fill its space to the last byte, without a closing
+ * zero. Fortran programs fill the rest of the space with blanks. */
 static char *fixed_string(hid_t attribute, hid_t type) {
     size_t size = H5Tget_size(type);
     char *text = calloc(size + 1, 1);
@@ -387,7 +393,8 @@ static char *variable_string(hid_t attribute, hid_t type) {
     return text;
 }
 
-/* Opens an attribute with a single value. Some libraries write the value as an array of one. */
+/* Opens an attribute with a single value. Some libraries write such a value as an array of length
+ * 1. */
 static hid_t open_single(hid_t object, const char *name) {
     if (!hdf5_has_attribute(object, name)) return -1;
     hid_t attribute = H5Aopen(object, name, H5P_DEFAULT);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Declares what the files of this folder share. Other folders do not include it. */
+/* Declares what only the source files of this folder share. Other folders do not include this
+ * header. */
 #ifndef EHD_ARTEFACT_INTERNAL_H
 #define EHD_ARTEFACT_INTERNAL_H
 
@@ -21,13 +22,13 @@ typedef struct own_dataset {
 typedef struct file_dataset {
     artefact_field field;
     const artefact_axis *axis; // NULL: the dataset is a field
-    size_t length;             // length of an axis; 0: not known yet
+    size_t length;             // length of an axis; 0: the length is not known yet
     // state when the file was opened:
     bool there; // the file has the dataset
     own_dataset own;
     int rank;
     hsize_t dims[ARTEFACT_MAX_RANK]; // the first ARTEFACT_MAX_RANK lengths
-    bool checked;                    // the digest has been checked; this is done once, before the
+    bool checked;                    // the digest has been checked, which happens once, before the
                                      // first part is read
     hid_t held; // id of a dataset on the growing axis that stays open while streaming; 0: not open
 } file_dataset;
@@ -36,38 +37,40 @@ struct artefact {
     hid_t id; // id of the HDF5 file; negative when it is not open
     const artefact_schema *schema;
     char *path;                    // the final name
-    char *partial;                 // the name while it is written; NULL when reading
-    char *copy;                    // name of the copy that is changed while not streaming
-    bool on_copy;                  // the copy is the open file
+    char *partial;                 // name of the file while it is written; NULL when reading
+    char *copy;                    // name of the copy that is changed while the file is not open
+                                   // for streaming
+    bool on_copy;                  // whether the copy is open in place of `partial`
     char *saved;                   // name of the copy that artefact_save makes
     double saved_at, save_seconds; // end of the last artefact_save and its duration, s
-    char *history_line; // line of the run that resumes the file, added at the end; NULL: not
-                        // resumed
-    char *digests;      // content_sha256 of a file being read; NULL: not to be checked
-    int64_t *outcomes;  // `status` of the entries of outcome_axis; NULL: none
+    char *history_line; // line that a run with --resume adds to the history of the file when it
+                        // finishes the file; NULL: the file is not resumed
+    char *digests;      // content_sha256 of a file being read; NULL: the content is not checked
+    int64_t *outcomes;  // [length of outcome_axis] the field `status`; NULL: the file has no such
+                        // field
     const char *outcome_axis;
     file_dataset *datasets; // axes of the schema, then its fields; ends with {0}
     file_dataset *fields;   // first field in `datasets`
-    const char *growing;    // name of the axis that grows while writing; NULL: none
-    int lock;               // descriptor that holds the writer's lock; -1 when reading
+    const char *growing;    // name of the axis that grows while writing; NULL: no axis grows
+    int lock;               // descriptor that holds the writer's lock; -1: the file is being read
     int copy_lock;          // descriptor that holds the lock of the copy; -1: no copy
     bool force;             // an existing final file may be replaced
     bool streaming;
     bool keep;   // --resume can use the partial file
-    bool copied; // made by artefact_copy; NEED_OWN items may be missing
+    bool copied; // the file was filled by artefact_copy; NEED_OWN items may be missing
     bool failed; // a write failed, so the file must not get its final name
     char identity[65];
 };
 
 // ---- hdf5.c: settings, errors, files and attributes of HDF5
 
-/* Initialises HDF5. Call it in each thread before any other HDF5 function. HDF5 then prints
- * nothing, loads no plugins, and does nothing at exit; otherwise it would repeat failed writes
- * then. Also clears errno, so that an earlier lack of memory is forgotten. */
+/* Initialises HDF5. Call it in each thread before any other HDF5 function. Afterwards HDF5 prints
+ * nothing, loads no plugins, and does nothing at exit, where it would otherwise repeat failed
+ * writes. Also clears errno, so that an earlier lack of memory is forgotten. */
 void hdf5_start(void);
 
-/* Innermost message of the last failed HDF5 call. Call hdf5_last_reason right after it, before any
- * other HDF5 function. */
+/* Innermost message of the last failed HDF5 call. Call hdf5_last_reason right after the failed
+ * call, before any other HDF5 function. */
 typedef struct hdf5_reason {
     char text[256];
     bool system; // the operating system refused; the content is not at fault
@@ -79,24 +82,24 @@ hdf5_reason hdf5_last_reason(void);
  * since hdf5_start. Returns EHD_MEMORY, EHD_IO or EHD_DATA, even for EHD_OK, if a look-up
  * (hdf5_has_dataset, hdf5_has_attribute) has failed. `path` is for the message. */
 ehd_status hdf5_blame(ehd_status status, const char *path, ehd_error *error);
-/* Records for hdf5_blame that a failed call had no memory, when the caller continues. Does nothing
- * after other failures. */
+/* Records for hdf5_blame that a call failed for lack of memory. Call it if the caller continues
+ * after a failed call. Does nothing after failures of another kind. */
 void hdf5_note_failure(void);
 
 /* Closes an HDF5 object and keeps the last error message. Accepts negative ids. */
 void hdf5_release(hid_t id);
 
-/* Report a failed write or read. Call them right after the failed call. hdf5_write_failed marks the
- * file as failed. It returns EHD_IO, or EHD_DATA if the file is resumed and there is no system
- * error: then the file is damaged. hdf5_read_failed returns EHD_IO for a system error, else
- * EHD_DATA. */
+/* Report a failed write or read. Call these functions right after the failed call.
+ * hdf5_write_failed marks the file as failed. It returns EHD_IO. If the file is resumed and there
+ * is no system error, it returns EHD_DATA, because the file is then damaged. hdf5_read_failed
+ * returns EHD_IO for a system error, else EHD_DATA. */
 ehd_status hdf5_write_failed(artefact *file, const char *object, ehd_error *error);
 ehd_status hdf5_read_failed(const artefact *file, const char *object, ehd_error *error);
 
 /* Opens an existing file, with `flags` as for H5Fopen. `clear_flags` is for a file that no other
- * process writes: it clears the marks that a killed writer left in the superblock, and includes
- * what was written behind the end of file in the superblock, as h5clear does. Negative on
- * failure. */
+ * process writes. It clears the marks that a killed writer left in the superblock. It also accepts
+ * data behind the end of file that the superblock states, as h5clear does. Returns a negative
+ * number on failure. */
 hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags);
 enum { HDF5_PAGE_BYTES = 4096 };
 hid_t hdf5_create(const char *path);
@@ -111,7 +114,8 @@ bool hdf5_put_string(hid_t object, const char *name, const char *text);
  * NAME_3, … */
 bool hdf5_put_text(hid_t root, const char *name, const char *text);
 
-/* Returns a string attribute of fixed or variable length; free(). NULL: missing or no text. */
+/* Returns a string attribute of fixed or variable length; free(). Returns NULL if the attribute is
+ * missing or is not a text. */
 char *hdf5_get_string(hid_t object, const char *name);
 /* Returns the pieces that hdf5_put_text wrote, joined; free(). */
 char *hdf5_get_text(hid_t root, const char *name);
@@ -119,8 +123,8 @@ char *hdf5_get_text(hid_t root, const char *name);
  * attribute is missing or something else. */
 bool hdf5_get_number(hid_t object, const char *name, H5T_class_t wanted, void *value);
 
-/* Check whether the object exists. After a failed look-up they return false, and hdf5_blame reports
- * the failure. */
+/* Check whether the object exists. After a failed look-up the functions return false, and
+ * hdf5_blame reports the failure. */
 bool hdf5_has_dataset(hid_t root, const char *name);
 bool hdf5_has_attribute(hid_t object, const char *name);
 /* Visits the names of all attributes of an object, in the order of their names. */
@@ -137,7 +141,7 @@ ehd_status hdf5_refuse(const char *path, const char *name, const char *found, eh
 
 // ---- values.c
 
-const char *values_text(artefact_values values); // for the schema pages; "": any
+const char *values_text(artefact_values values); // for the schema pages; "": all values are allowed
 /* Checks whether a range also restricts the order of the numbers, so that all must be checked
  * together. */
 bool values_have_order(artefact_values values);
@@ -146,7 +150,7 @@ ehd_status check_real(const artefact *file, const char *name, artefact_values va
                       ehd_error *error);
 ehd_status check_integer(const artefact *file, const char *name, artefact_values values,
                          int64_t found, ehd_error *error);
-/* Checks `count` numbers of a field. EHD_DATA: one is outside the range. */
+/* Checks `count` numbers of a field. EHD_DATA: a number is outside the range. */
 ehd_status check_numbers(const artefact *file, const artefact_field *field, const void *numbers,
                          size_t count, ehd_error *error);
 /* Checks the ranges and the order of `count` entries of a field from `first` on. If entries have
@@ -161,11 +165,11 @@ size_t num_entries(const artefact *file, const artefact_field *field);
 size_t entry_size(const artefact *file, const artefact_field *field);
 ehd_status check_axis_length(const artefact *file, const char *object, const char *axis,
                              size_t length, ehd_error *error);
-/* Checks that a file of this size can hold all numbers that a reader may read at once, else
- * EHD_DATA. */
+/* Checks that the file is large enough to hold all numbers that a reader may read at once, even if
+ * they are compressed as far as gzip can; else EHD_DATA. */
 ehd_status check_unpacking(const artefact *file, ehd_error *error);
-/* Checks that the file can hold `numbers` numbers, else EHD_DATA. EHD_IO: the file does not
- * open. */
+/* Checks that the file is large enough to hold `numbers` compressed numbers, else EHD_DATA. EHD_IO:
+ * the file does not open. */
 ehd_status check_stored(const char *path, double numbers, ehd_error *error);
 /* Returns EHD_MEMORY if `entries` entries of a field take more memory than is free. */
 ehd_status check_memory(const artefact *file, const artefact_field *field, size_t entries,
@@ -188,7 +192,8 @@ ehd_status check_digest(const artefact *file, const char *name, const char *dige
                         ehd_error *error);
 ehd_status check_content(const artefact *file, const artefact_field *field, const void *numbers,
                          ehd_error *error);
-/* Reads the digests of a file, then checks its attributes and the list of its datasets. */
+/* Reads the digests of a file, then compares the attributes and the list of datasets with these
+ * digests. */
 ehd_status learn_digests(artefact *file, ehd_error *error);
 /* Writes the digests of a file that is about to get its final name. */
 ehd_status put_digests(artefact *file, ehd_error *error);
@@ -205,37 +210,43 @@ char *history_line(const program *caller);
  * invalid UTF-8. */
 char *utf8_copy(const char *text);
 
-/* Checks whether the recorded input of this path had this content. If none has the path, checks
- * whether any recorded input had it. */
+/* Checks whether the recorded input of this path had this content. If no recorded input has this
+ * path, checks whether any recorded input had this content. */
 bool had_input(hid_t root, const char *path, const char identity[65]);
 
-/* Writes all attributes on the origin of the file, and `complete` = 0. */
+/* Writes all attributes that describe the origin of the file, and `complete` = 0. */
 ehd_status put_provenance(artefact *file, const program *caller, const char *settings_text,
                           const char *const *inputs, ehd_error *error);
 bool put_complete(hid_t root, int64_t complete);
-bool put_history(hid_t root, const char *before, const char *line); // writes both, joined
+bool put_history(hid_t root, const char *before, const char *line); // writes both texts, joined
 
 // ---- partial.c
 
 /* Creates the writer's object: sets names and schema, opens PATH.partial (`flags`: O_CREAT or 0)
- * and locks it. The HDF5 file is not open yet. EHD_CANTCREATE; with O_CREAT and without
- * caller->force also if PATH.partial holds work for --resume. EHD_NOINPUT (without O_CREAT),
- * EHD_MEMORY. */
+ * and locks it. The HDF5 file is not open yet. EHD_CANTCREATE: PATH.partial cannot be written, or
+ * another process writes it; with O_CREAT and without caller->force, also if PATH.partial holds
+ * work for --resume. EHD_NOINPUT: there is no PATH.partial, and `flags` is 0. EHD_MEMORY. */
 ehd_status writer_new(artefact **result, const char *path, const artefact_schema *schema,
                       const program *caller, int flags, ehd_error *error);
 /* Checks whether PATH.partial ever held something for --resume. The first bytes of an HDF5 file
- * show whether it is streaming or was closed. Returns true also for a file of another program. */
+ * show whether the file is streaming or was closed. Returns true also for a file of another
+ * program. */
 bool has_begun(const artefact *file);
 
-/* Except while it is streaming, a file that an interrupted run left is not changed in place,
- * because a kill could destroy it. Changes are made in a copy instead. use_copy makes this copy
- * under its own name, for HDF5 to open. If the machine was rebooted since the file was written, it
- * copies PATH.saved, if there is one. Once the copy is streaming, keep_copy gives it the name of
- * the original. drop_copy removes the copy. EHD_IO, EHD_MEMORY, EHD_CANTCREATE. */
+/* If a process is killed while HDF5 changes a file that is not open for streaming, the file may be
+ * destroyed. Before such a change the writer therefore makes a copy of PATH.partial and changes
+ * only the copy.
+ * - use_copy makes the copy under a name of its own. HDF5 has to open the copy afterwards. If the
+ *   machine was rebooted after PATH.partial was written, the data of PATH.partial may be
+ *   incomplete. In this case use_copy copies PATH.saved, if this file exists.
+ * - keep_copy gives the copy the name PATH.partial. Call it when the copy is open for streaming.
+ * - drop_copy removes the copy.
+ * Errors: EHD_IO, EHD_MEMORY, EHD_CANTCREATE. */
 ehd_status use_copy(artefact *file, ehd_error *error);
 ehd_status keep_copy(artefact *file, ehd_error *error);
 void drop_copy(artefact *file);
-/* Returns the name of the file that is written: the copy or PATH.partial. */
+/* Returns the name of the file to which the writer writes: the name of the copy, or
+ * PATH.partial. */
 const char *written_name(const artefact *file);
 /* Waits until the written file is on disk; EHD_IO. */
 ehd_status sync_file(const artefact *file, ehd_error *error);
@@ -244,9 +255,9 @@ ehd_status sync_file(const artefact *file, ehd_error *error);
  * training states. */
 bool is_finished_by_entry(const artefact *file, const artefact_field *field);
 
-/* Checks whether a killed writer may have damaged unfinished entries of a field:
- * is_finished_by_entry holds, and the entries are arrays. Single numbers lie within a page and stay
- * whole. */
+/* Checks whether a killed writer may have damaged unfinished entries of a field. This is possible
+ * if is_finished_by_entry holds and each entry is an array. Entries of one number lie within a page
+ * and stay intact. */
 bool is_kept_apart(const artefact *file, const artefact_field *field);
 
 /* Renames the closed file to its final name, after its content is on disk. */
@@ -269,7 +280,7 @@ bool field_grows(const artefact *file, const artefact_field *field);
 bool field_exists(const artefact *file, const artefact_field *field);
 
 /* Opens a dataset; close it with hdf5_release. While streaming, datasets on the growing axis stay
- * open internally, because every entry is written to all of them. Negative on failure. */
+ * open internally, because every entry is written to all these datasets. Negative on failure. */
 hid_t open_dataset(artefact *file, const char *name);
 
 /* Returns the length of a dataset along its first axis. */
@@ -300,17 +311,18 @@ ehd_status check_readable(const char *path, ehd_error *error);
 /* Recognises the schema and version of an open HDF5 file, checks attributes and fields, and learns
  * the axis lengths. */
 ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_error *error);
-/* Returns the name of the axis whose scale has unlimited length; NULL: none. */
+/* Returns the name of the axis whose scale has unlimited length. Returns NULL if there is no such
+ * axis. */
 const char *find_growing(const artefact *file);
 /* Reads all of a field in slices, and checks its numbers. */
 ehd_status read_field(artefact *file, const artefact_field *field,
-                      char digest[65], // NULL: not wanted
+                      char digest[65], // NULL: the caller does not need the digest
                       ehd_error *error);
 /* Reads every dataset of the schema, so that every checksum is verified. In a file being written
  * (`partial`) it skips fields that may be damaged (is_kept_apart). With a growing axis it reads
  * only the axes and the fields on that axis, because other fields are overwritten in place. */
 ehd_status read_everything(artefact *file, bool partial, ehd_error *error);
-/* Returns the attribute `complete`; -1: missing. */
+/* Returns the attribute `complete`, or -1 if it is missing. */
 int64_t completeness(const artefact *file);
 
 #endif

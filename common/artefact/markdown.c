@@ -12,7 +12,7 @@ static const char *type_text(artefact_type type) {
     return texts[type];
 }
 
-/* Prints which factor converts the number to SI units; stands after the meaning. */
+/* Prints, after the meaning, which factor converts the number to SI units. */
 static void print_scale(const artefact_scale *scale, FILE *stream) {
     if (scale) {
         const char *first = scale->attributes[0];

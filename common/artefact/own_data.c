@@ -6,7 +6,8 @@
 
 #include <string.h>
 
-/* Returns what a link is; NULL for a hard link, which leads to an object of this file. */
+/* Returns the kind of a link as text; NULL for a hard link, which leads to an object of this
+ * file. */
 static const char *other_link(H5L_type_t type) {
     switch (type) {
     case H5L_TYPE_HARD:
@@ -20,9 +21,9 @@ static const char *other_link(H5L_type_t type) {
     }
 }
 
-/* Finds the first link of a path such as "group/dataset" that is not hard, and returns what it is;
- * NULL: all links are hard. Checks each link before it follows the link. *address: address of the
- * object at the end of the path. */
+/* Finds the first link of a path such as "group/dataset" that is not hard, and returns the kind of
+ * this link as text. Returns NULL if all links are hard. Checks each link before it follows the
+ * link. *address: address of the object at the end of the path. */
 static const char *other_step(haddr_t *address, hid_t root, const char *path) {
     char step[512];
     const char *found = NULL;

@@ -21,8 +21,9 @@ static bool has_name(int descriptor, const char *name) {
            opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
 }
 
-/* Opens the file and locks it against a second writer. The lock ends with the process and does not
- * disturb readers, for whom HDF5 uses flock. A file system without locks is used without one. */
+/* Opens the file and locks it against a second writer. The lock ends with the process. It does not
+ * disturb readers, because HDF5 locks files for readers by flock, which is another kind of lock. On
+ * a file system without locks, the file is not locked. */
 static ehd_status open_locked(int *descriptor, const char *name, int flags, ehd_error *error) {
     *descriptor = open(name, O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | flags, 0666);
     if (*descriptor < 0) {
@@ -53,7 +54,7 @@ bool has_begun(const artefact *file) {
     unsigned char found[NUM_BYTES] = {0};
     const ssize_t length = pread(file->lock, found, sizeof found, 0);
 
-    // HDF5 writes data before the first bytes, so the size of the file shows nothing
+    // HDF5 writes these first bytes after other data, so the size of the file shows nothing
     if (length < 0 || memcmp(found, none, sizeof none) == 0) return false;
     return memcmp(found, signature, sizeof signature - 1) != 0 ||
            (found[AT_FLAGS] & (BEING_WRITTEN | STREAMING)) != BEING_WRITTEN;
@@ -69,7 +70,7 @@ static bool copy_bytes(int to, int from) {
     off_t place = 0;
     ssize_t copied;
 
-    // the copy shares the bytes if the file system supports it
+    // if the file system supports this, both files share the same blocks on disk
     while ((copied = copy_file_range(from, &place, to, NULL, AT_ONCE, 0)) > 0) {
     }
     return copied == 0;
@@ -189,7 +190,7 @@ static bool has_entry(hid_t file, const char *name, int64_t min) {
     const hid_t scalar = H5Screate(H5S_SCALAR);
     const bool is_list = H5Sget_simple_extent_ndims(space) == 1;
     const hssize_t count = is_list ? H5Sget_simple_extent_npoints(space) : 0;
-    // no more entries than are stored: a damaged file may claim any number
+    // reads no more entries than the file stores, because a damaged file may claim any number
     const hsize_t stored = H5Dget_storage_size(dataset) / sizeof(int64_t);
     bool found = false;
 
@@ -205,10 +206,11 @@ static bool has_entry(hid_t file, const char *name, int64_t min) {
     return found;
 }
 
-/* Returns what an interrupted run has finished in a file, or NULL. */
+/* Returns a text on what an interrupted run has finished in a file; NULL: nothing. */
 static const char *find_finished(const char *path) {
     const char *finished = NULL;
-    // the mark of a killed writer allows only the mode for reading beside a writer
+    // if a killed writer left its mark, HDF5 opens the file only in the mode for reading beside a
+    // writer
     const hid_t partial = hdf5_open(path, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, true);
     char *kind = partial >= 0 ? hdf5_get_string(partial, "schema_name") : NULL;
 

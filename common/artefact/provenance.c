@@ -57,7 +57,7 @@ char *utf8_copy(const char *text) {
 
 // ---- history
 
-/* Returns a text on this build and the HDF5 library in use; free(). */
+/* Returns a text that names this build and the HDF5 library in use; free(). */
 static char *creator_text(void) {
     unsigned major = 0;
     unsigned minor = 0;

@@ -34,8 +34,9 @@ ehd_status check_readable(const char *path, ehd_error *error) {
 /* HDF5's message for a file that is being written or whose writer was killed. */
 static const char has_writer[] = "already open for";
 
-/* Opens a file that may be unfinished, beside its writer if it has one. HDF5 finds the file too
- * short while the writer has set the new end and not yet written up to it. */
+/* Opens a file that may be unfinished, even while another process writes it. If the writer has set
+ * a new end of file but has not yet written up to this end, HDF5 finds the file too short. The
+ * function then tries again. */
 static hid_t open_beside_writer(const char *path) {
     enum { ATTEMPTS = 50 }; // half a second
     const struct timespec pause = {.tv_nsec = 10000000};
@@ -178,8 +179,8 @@ static bool type_fits(hid_t dataset, artefact_type type) {
 }
 
 /* Checks that an axis has one length in the whole file. The first dataset along the axis sets the
- * length: the scale, if there is one. Datasets on a growing axis may be longer until the axis is
- * cut. */
+ * length. This dataset is the scale, if the file has one. Datasets on a growing axis may be longer
+ * until the axis is cut. */
 static ehd_status check_length(artefact *file, const char *object, const char *axis, size_t found,
                                ehd_error *error) {
     size_t *length = &find_dataset(file, axis)->length;
@@ -215,15 +216,16 @@ static ehd_status check_shape(artefact *file, const file_dataset *of, const char
     return status;
 }
 
-/* Entry of a scale's REFERENCE_LIST: a dataset and the axis where the scale belongs. */
+/* Entry of the attribute REFERENCE_LIST of a scale: a dataset that uses the scale, and the number
+ * of the axis of this dataset. */
 typedef struct scale_use {
-    hobj_ref_t dataset; // the address of its header
+    hobj_ref_t dataset; // address of the object header of the dataset
     int axis;
 } scale_use;
 
-/* Reads the uses of a scale; free(). NULL with *num_uses = 0: none, or not readable; NULL
- * otherwise: no memory. The datasets' own lists are not read: they lie in a heap without checksums,
- * and HDF5 1.10 hangs on a damaged heap. */
+/* Reads which datasets use a scale; free(). NULL with *num_uses = 0: the scale has no such list, or
+ * the list is not readable. NULL with *num_uses > 0: no memory. The lists of scales in the datasets
+ * are not read: they lie in a heap without checksums, and HDF5 1.10 hangs on a damaged heap. */
 static scale_use *read_scale_uses(hid_t scale, size_t *num_uses) {
     static const char list[] = "REFERENCE_LIST";
     if (!hdf5_has_attribute(scale, list)) return NULL;
@@ -247,8 +249,8 @@ static scale_use *read_scale_uses(hid_t scale, size_t *num_uses) {
     return uses;
 }
 
-/* Returns the field that a use refers to, if the schema has another axis at this place. NULL: the
- * axis is right, or the schema does not have the dataset. */
+/* Returns the field that uses the scale, if the schema gives this field another axis at this
+ * position. NULL: the axis is right, or the schema does not have the dataset. */
 static const artefact_field *find_misfit(const artefact *file, const scale_use *use,
                                          const char *axis) {
     for (const file_dataset *of = file->fields; of->field.name; of++) {
@@ -317,8 +319,9 @@ static size_t length_along(const file_dataset *of, const char *axis) {
     return place < rank && of->there && of->rank == (int)rank ? (size_t)of->dims[place] : 0;
 }
 
-/* Finds the lengths of optional axes. A file has an optional axis if it has the scale of this
- * axis. Files of other programs may lack scales. A field with all of its axes is then enough. */
+/* Finds the lengths of optional axes. A file has an optional axis if it has the scale of this axis.
+ * Files of other programs may lack scales. The length is then taken from a field that has all of
+ * its axes. */
 static void learn_optional_axes(artefact *file) {
     for (file_dataset *axis = file->datasets; axis < file->fields; axis++) {
         if (!axis->axis->optional) continue;
@@ -391,7 +394,7 @@ ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_er
     return status;
 }
 
-/* Opens a finished file or, with `unfinished`, also one that is being written or was left
+/* Opens a finished file. With `unfinished`, also opens a file that is being written or was left
  * unfinished. */
 static ehd_status open_file(artefact **result, const char *path,
                             const artefact_schema *const *schemas, bool unfinished,
@@ -433,8 +436,9 @@ ehd_status artefact_open_unfinished(artefact **result, const char *path,
 
 // ---- all of a field
 
-/* Checks whether an entry was written, by its first chunk. The time of H5Dget_chunk_storage_size
- * does not depend on the number of chunks; H5Dget_chunk_info_by_coord goes through all of them. */
+/* Checks whether an entry was written, by looking at its first chunk. The time of
+ * H5Dget_chunk_storage_size does not depend on the number of chunks, whereas
+ * H5Dget_chunk_info_by_coord goes through all chunks. */
 static bool is_stored(artefact *file, const char *name, size_t entry) {
     const hid_t dataset = open_dataset(file, name), properties = H5Dget_create_plist(dataset);
     const hsize_t offset[H5S_MAX_RANK] = {entry};
@@ -469,9 +473,9 @@ static ehd_status check_interrupted(const artefact *file, ehd_error *error) {
                           shown_name(file));
 }
 
-/* Returns how many entries one call reads. HDF5 takes 5 kB of memory for each chunk of a call, so
- * a call reads few. If the order of the entries is checked, one call reads all. A file that is
- * being written is not checked. */
+/* Returns how many entries one call reads. HDF5 takes 5 kB of memory for each chunk of a call, so a
+ * call reads only a few chunks. If the order of the entries is checked, one call reads all entries.
+ * The order is not checked in a file that is being written. */
 static size_t slice_of(const artefact *file, const artefact_field *field) {
     enum { SLICE_NUMBERS = 1 << 16 };
     const size_t length = num_entries(file, field), entry = entry_size(file, field);
@@ -502,7 +506,7 @@ ehd_status read_field(artefact *file, const artefact_field *field, char digest[6
     return status;
 }
 
-/* Reads a field that the file has, and compares it with the file's digest. */
+/* Reads a field that the file has, and compares the field with its stored digest. */
 static ehd_status verify_field(artefact *file, const artefact_field *field, ehd_error *error) {
     char digest[65];
     if (!file->digests) return read_field(file, field, NULL, error);
@@ -585,7 +589,7 @@ ehd_status artefact_get_axis(artefact *file, const char *axis, double *values, s
                  shown_name(file), axis);
         return hdf5_blame(EHD_DATA, shown_name(file), error);
     }
-    // the axis of a file that is being written may have grown since
+    // the axis of a file that is being written may have grown since the file was opened
     const ehd_status status = read_entries(file, axis, ARTEFACT_REAL, 0,
                                            artefact_length(file, axis), values, room, error);
     return status != EHD_OK ? status

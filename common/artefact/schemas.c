@@ -14,16 +14,16 @@
     { name, ARTEFACT_INTEGER, {__VA_ARGS__}, "1", long_name, need, values, false, NULL }
 #define ATTRIBUTE(name, type, units, need, values, long_name)                                      \
     { name, type, units, long_name, need, values, NULL }
-// a field of a result in time, which is read entry by entry
+// a field of a result with one entry per time, which is read entry by entry
 #define ENTRIES(name, scale, long_name)                                                            \
     {                                                                                              \
         name, ARTEFACT_REAL, {"time", "y", "x"}, "1", long_name, NEED_OPTIONAL, VALUES_ANY, true,  \
             &(scale)                                                                               \
     }
 
-/* Largest lengths of the axes. These lengths bound the memory that a file can make a program take;
- * the product of two lengths and the bytes of a number does not overflow. Numbers of nodes and rows
- * fit into LAPACK's integers. */
+/* Largest lengths of the axes. They limit the memory that a file can make a program take. The
+ * product of two lengths and the bytes of a number does not overflow. Numbers of nodes and rows fit
+ * into LAPACK's integers. */
 enum {
     MAX_X = 1000000,
     MAX_Y = 100000,
@@ -64,7 +64,7 @@ enum {
 #define DEFORMATION_MODE_AXIS                                                                      \
     AXIS("deformation_mode", "1", MAX_MODES, "index of the deformation mode, strongest first")
 
-// `scale`: of the lengths of the grid, or NULL
+// `scale` converts the lengths of the grid to SI units; NULL: no scale
 #define GRID_ATTRIBUTES(kinds, scale)                                                              \
     ATTRIBUTE("contact", ARTEFACT_TEXT, "1", NEED_ALWAYS, VALUES_ANY, "kind of contact: " kinds),  \
         {"x_min", ARTEFACT_REAL, "1", "first node of x", NEED_ALWAYS, VALUES_FINITE, scale},       \
@@ -101,7 +101,7 @@ enum {
     ATTRIBUTE("basis_sha256", ARTEFACT_TEXT, "1", NEED_OWN, VALUES_ANY,                            \
               "identity of the basis file")
 
-// error estimates of a state for the grid
+// estimates of the errors that the grid causes in a state
 #define EFFECT_FIELDS(prefix)                                                                      \
     REAL(prefix "step_effect", "1", NEED_OPTIONAL, VALUES_ANY,                                     \
          "error estimate of the central film by the step, relative; this and the next five are "   \
@@ -178,8 +178,9 @@ enum {
 
 // ---- result
 
-// scales for the SI units of a result; fields and coordinates are in the frame of their time, all
-// other numbers in the reference frame
+// Scales that convert the numbers of a result to SI units. Fields and coordinates are dimensionless
+// in the frame, which is scaled by the contact at the time of the entry. All other numbers are
+// dimensionless in the reference frame.
 static const artefact_scale time_scale = {{"time_unit", NULL}, NULL},
                             length_scale = {{"half_width", NULL}, NULL},
                             film_scale = {{"film_unit", NULL}, NULL},
@@ -724,12 +725,12 @@ static const artefact_axis model_axes[] = {
     AXIS("shown", "1", MAX_STATES, "index of the scene or trajectory of the calibration"),
     {0}};
 
-/* Deviation at one model size, over the scenes that the model solved. */
+/* Deviations at each model size: quantiles over the scenes that the model solved. */
 #define DEVIATION(quantity, what)                                                                  \
     REAL("deviation_" quantity, "1", NEED_OPTIONAL, VALUES_BOUND,                                  \
          "deviation from the full model: " what, "position", "quantile")
 
-/* Largest deviation at one model size, on trajectories. */
+/* Largest deviation at each model size, over all trajectories. */
 #define WORST_IN_TIME(quantity, what)                                                              \
     REAL("worst_in_time_" quantity, "1", NEED_OPTIONAL, VALUES_BOUND,                              \
          "largest relative deviation from the full model with the same time steps: " what,         \

@@ -10,7 +10,7 @@
 /* Largest number of rows, enough for the load history of a contact over months. */
 enum { TABLE_MAX_ROWS = 100000000 };
 
-enum { LISTED_NAMES = 20 }; // names of the file in a message
+enum { LISTED_NAMES = 20 }; // largest number of dataset names in a message
 
 static ehd_status status_of(const hdf5_reason *reason) {
     if (reason->memory) return EHD_MEMORY;
@@ -55,7 +55,7 @@ static ehd_status read_values(double **values, size_t *count, hid_t dataset, con
                     reason.text);
 }
 
-/* Returns the first of the names that is a dataset of the file; "": none. */
+/* Returns the first of the names that is a dataset of the file, or "" if none of them is. */
 static const char *find_name(hid_t file, const char *const *names) {
     while (*names && !hdf5_has_dataset(file, *names))
         names++;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads tables of numbers from other programs, such as a multibody program or a script. All
- * histories, surfaces and rows are read by this function. */
+/* Reads tables of numbers from other programs, such as a multibody program or a script. table_read
+ * reads all tables of histories, of surfaces and of selected rows. */
 #ifndef EHD_ARTEFACT_TABLE_H
 #define EHD_ARTEFACT_TABLE_H
 
@@ -12,11 +12,11 @@
 /* Checks whether a file of this name is read as HDF5: it ends with .h5 or .hdf5. */
 bool artefact_is_table(const char *path);
 
-/* Reads columns by their names. The ending of the file's name decides whether it is HDF5 or CSV.
- * HDF5: a column is a dataset of numbers along one axis, and all have the same length. If a column
- * has several possible names, the first name that the file has is used. CSV: as csv_read_table.
- * EHD_NOINPUT: no such file. EHD_DATA: no such table, or a missing column; the text lists the
- * columns that the file has. EHD_IO, EHD_MEMORY. */
+/* Reads columns by their names. The ending of the file's name decides whether the file is read as
+ * HDF5 or CSV. HDF5: a column is a dataset of numbers along one axis, and all columns have the same
+ * length. If a column has several possible names, the first name that the file has is used. CSV: as
+ * csv_read_table. EHD_NOINPUT: no such file. EHD_DATA: no such table, or a missing column; the text
+ * lists the columns that the file has. EHD_IO, EHD_MEMORY. */
 ehd_status table_read(
     // input:
     const char *path,

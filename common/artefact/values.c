@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Checks the ranges of the numbers in a file, and how many numbers it may hold. */
+/* Checks the ranges of the numbers in a file, and how many numbers the file may hold. */
 #include "common/artefact/internal.h"
 
 #include <errno.h>
@@ -29,7 +29,7 @@ static const struct {
     const char *text;
     double low, high;      // bounds of real numbers
     int64_t least;         // lower bound of integers
-    largest_integer bound; // upper bound of integers, less `below`
+    largest_integer bound; // `bound` minus `below` is the upper bound of integers
     int below;
     order order;
     bool nan; // NaN is also allowed
@@ -64,8 +64,9 @@ bool values_have_order(artefact_values values) {
     return ranges[values].order != ORDER_ANY;
 }
 
-/* Returns the number of lines of the film with its boundary lines; 1 without an axis y. The axis y
- * has no boundary lines. A half domain has one boundary line, a whole one has two. */
+/* Returns the number of lines of the film with its boundary lines; 1 without an axis y. The
+ * boundary lines are not part of the axis y. A half domain has one boundary line, a whole domain
+ * has two. */
 static int64_t film_lines(const artefact *file) {
     const int64_t lines = (int64_t)artefact_length(file, "y");
     int64_t half = 0;
@@ -294,8 +295,8 @@ static double bytes_on_disk(const char *path) {
 /* Largest compression ratio of gzip: two bits stand for at most 258 bytes (RFC 1951). */
 static const double MAX_UNPACKING = 1032;
 
-/* Returns the numbers of a field that a reader may read at once, as a double, since the product may
- * overflow an integer. */
+/* Returns how many numbers of a field a reader may read at once. The result is a double, because
+ * the product may overflow an integer. */
 static double count_numbers(const artefact *file, const artefact_field *field) {
     const char *axes[ARTEFACT_MAX_RANK];
     const size_t rank = artefact_axes(axes, file, field);
@@ -356,7 +357,7 @@ ehd_status check_stored(const char *path, double numbers, ehd_error *error) {
 
 ehd_status check_memory(const artefact *file, const artefact_field *field, size_t entries,
                         ehd_error *error) {
-    const double small = 64e6; // bytes that are not checked
+    const double small = 64e6; // bytes; smaller arrays are not checked
     const double bytes = (double)entries * (double)entry_size(file, field) * (double)sizeof(double);
 
     if (bytes < small) return EHD_OK;

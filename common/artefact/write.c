@@ -9,12 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Scalars share a chunk. One entry of a large field has several chunks.
+// Several scalars share a chunk. A large entry of a field is divided into several chunks.
 enum { CHUNK_MIN_BYTES = 8192, CHUNK_MAX_BYTES = 1 << 20 };
 
 // Chunk size of fields that are written entry by entry: two chunks with their checksums fill a
-// page. Chunks are small because every entry rewrites one. They lie within a page, because a kill
-// must not damage a chunk that also has earlier entries.
+// page. Chunks are small, because writing an entry rewrites a whole chunk. A chunk lies within a
+// page, because a kill during this write must not damage earlier entries in the same chunk.
 enum { CHUNK_PAGE_BYTES = HDF5_PAGE_BYTES / 2 - 4 };
 
 typedef enum layout {
@@ -22,7 +22,7 @@ typedef enum layout {
     LAYOUT_EARLY, // space is allocated and filled at once, so that later writes change no metadata;
                   // a chunk larger than a page has one entry
     LAYOUT_APART, // like LAYOUT_EARLY, and each entry of the first axis is one chunk
-    LAYOUT_GROWING // the first axis is unlimited; space is allocated for what is written
+    LAYOUT_GROWING // the first axis is unlimited; space is allocated when entries are written
 } layout;
 
 // ---- the file
@@ -88,8 +88,8 @@ static void choose_chunks(hsize_t *chunk, const hsize_t *dims, int rank, layout 
     }
 }
 
-/* Sets the properties of a dataset. Each one takes memory; returns false if one fails, because the
- * file would then have another layout. */
+/* Sets the properties of a dataset. Setting a property takes memory. Returns false if a property
+ * cannot be set, because the file would then have another layout. */
 static bool set_properties(hid_t properties, bool integer, const hsize_t *chunk, int rank,
                            bool early) {
     const double no_real = NAN;

@@ -25,7 +25,7 @@
 /* Columns of the table. The schema gives their units and scales. */
 static const struct {
     const char *name;
-    size_t offset; // offset in case_row of a double, or of an integer if the schema has one
+    size_t offset; // offset in case_row of a double, or of an integer if the field is an integer
 } columns[] = {
 #define COLUMN(name)                                                                               \
     { #name, offsetof(case_row, name) }
@@ -152,18 +152,18 @@ typedef struct done_mark {
 struct case_table {
     const program *caller;
     const case_list *list;
-    bool expected[NUM_COLUMNS]; // some row will have a value
+    bool expected[NUM_COLUMNS]; // whether some row will have a value
     size_t num_expected;
     bool written[NUM_COLUMNS];
-    int units[NUM_COLUMNS]; // column of each column's unit (unit_of)
+    int units[NUM_COLUMNS]; // for each column, the column with its SI unit (unit_of)
     size_t num_rows;        // rows written
     artefact *file;         // NULL for CSV
     output_file out;        // CSV file, not stdout
     FILE *stream;           // CSV: stream of `out`, or stdout
-    char *identity;         // CSV: path of the file that identifies the run and has its marks
+    char *identity;         // CSV: path of NAME.resume, which identifies the run and has its marks
     FILE *marks;            // CSV: the file `identity`, open to append
     done_mark mark;         // CSV: the last mark
-    struct sha256_ctx hash; // CSV: SHA-256 of the bytes up to the mark
+    struct sha256_ctx hash; // CSV: SHA-256 of the bytes up to the last mark
     csv_file done;          // CSV: rows of an interrupted run, read one by one
     size_t status_column, next_status;
 };
@@ -173,8 +173,9 @@ static bool is_known(size_t column, const case_row *row) {
                                                       : !isnan(real_of(row, column));
 }
 
-/* Checks whether the table has a column. It has an optional column if some row needs the column,
- * unless the column belongs to the other kind of contact. */
+/* Checks whether the table has a column. The table has an optional column if some row has a value
+ * for the column. Columns with the prefix line_ are only for line contacts, columns with the prefix
+ * point_ only for the other kinds. */
 static bool applies(const case_table *self, size_t column, const contact_kind *kind) {
     const char *other = kind->dimensions > 1 ? "line_" : "point_";
 
@@ -182,8 +183,8 @@ static bool applies(const case_table *self, size_t column, const contact_kind *k
            (self->expected[column] && strncmp(columns[column].name, other, strlen(other)) != 0);
 }
 
-/* Returns the column with the SI unit of a column; NOT_WRITTEN: there is none, or it is not
- * written. */
+/* Returns the number of the column that holds the SI unit of a column. Returns NOT_WRITTEN if there
+ * is no such column, or if the table does not have that column. */
 static int unit_of(size_t column, const bool *written) {
     const artefact_scale *scale = field_of(column)->scale;
 
@@ -343,8 +344,8 @@ static ehd_status open_done(case_table *self, ehd_error *error) {
     return status;
 }
 
-/* Counts the whole rows within the first `most` bytes of PATH.partial and their bytes, up to the
- * first incomplete row. */
+/* Counts the rows within the first `most` bytes of PATH.partial, up to the first incomplete row.
+ * *bytes is the length of the file up to the end of these rows. */
 static ehd_status measure_done(case_table *self, size_t most, size_t *bytes, ehd_error *error) {
     ehd_error torn;
     bool found = true;
@@ -379,8 +380,8 @@ static bool hash_file(struct sha256_ctx *hash, const char *path, size_t bytes) {
     return stream && bytes == 0;
 }
 
-/* Finds the last mark within the first `size` bytes of the table. Returns where its line ends in
- * the text, or 0 without a mark. */
+/* Finds the last mark in `text` that is for no more than the `size` bytes of the table. Returns the
+ * length of `text` up to the end of this mark's line, or 0 if there is no mark. */
 static size_t last_mark(done_mark *mark, const char *text, size_t size) {
     const size_t digits = SHA256_TEXT - 1;
     const char *line = text, *end;
@@ -398,8 +399,8 @@ static size_t last_mark(done_mark *mark, const char *text, size_t size) {
     return (size_t)(line - text);
 }
 
-/* Accepts the rows up to the last mark if their checksum is right. *kept: length of the marks up to
- * the last one. */
+/* Accepts the rows up to the last mark if their checksum is right. *kept is the length of the marks
+ * up to the end of the last mark. */
 static ehd_status take_marked(case_table *self, size_t *kept, size_t *bytes, const char *marks,
                               ehd_error *error) {
     struct stat found;
@@ -431,8 +432,9 @@ static ehd_status refuse_rows(case_table *self, ehd_error *error) {
                              self->out.partial, self->num_rows);
 }
 
-/* Finds the rows of an interrupted run. *bytes: their length in the table; *kept: length of
- * NAME.resume up to the mark of these rows. EHD_DATA: they belong to another run or are damaged. */
+/* Finds the rows of an interrupted run. *bytes is the length of the table up to the end of these
+ * rows. *kept is the length of NAME.resume up to the mark of these rows. Returns EHD_DATA if the
+ * rows belong to another run or are damaged. */
 static ehd_status find_done(case_table *self, size_t *kept, size_t *bytes, const char *text,
                             bool resume, ehd_error *error) {
     const size_t length = strlen(text);
@@ -524,7 +526,7 @@ static ehd_status create_hdf5(case_table *self, const contact_kind *kind, const 
     return status ? status : artefact_begin_streaming(self->file, error);
 }
 
-/* Continues a file whose inputs have not changed. EHD_NOINPUT: there is no such file. */
+/* Continues a file whose inputs have not changed. Returns EHD_NOINPUT if there is no such file. */
 static ehd_status resume_hdf5(case_table *self, const char *settings_text,
                               const char *const *inputs, ehd_error *error) {
     ehd_status status = artefact_resume(&self->file, self->caller->output, &schema_cases,
@@ -571,7 +573,7 @@ static ehd_status put_column(case_table *self, size_t column, const case_row *ro
 }
 
 static ehd_status put_hdf5(case_table *self, const case_row *rows, size_t count, ehd_error *error) {
-    double *work = array_new(count, 1, sizeof *work); // or as many integers
+    double *work = array_new(count, 1, sizeof *work); // also used for as many integers
     ehd_status status = work ? EHD_OK : no_memory(self, error);
 
     for (size_t c = 0; c < NUM_COLUMNS && !status; c++)

@@ -8,11 +8,12 @@
 
 enum { NO_PART = -1 };
 
-/* Row of one scene. Numbers are dimensionless unless a unit is given. NaN: unknown. */
+/* Row of one scene. Numbers are dimensionless unless a unit is given. NaN: the value is not
+ * known. */
 typedef struct case_row {
     int64_t status; // as in a result
     int64_t newton_iterations;
-    int64_t part; // number of the model that solved the scene, from 0; NO_PART: only one model
+    int64_t part; // number of the model that solved the scene, from 0; NO_PART: there is only one
     double moes_M, moes_L, alpha_p_H;
     double hertz_pressure; // Pa
     // only for a scene in SI units:
@@ -20,7 +21,7 @@ typedef struct case_row {
     double load;                                  // N/m of a line contact, N of a point contact
     double radius;                                // m
     double speed;                                 // m/s
-    double thermal_loading, inlet_heating_factor; // only with the lubricant's conductivity
+    double thermal_loading, inlet_heating_factor; // only if the lubricant's conductivity is given
     double central_film_thickness, minimum_film_thickness;
     double central_pressure, peak_pressure;
     double rigid_approach;
@@ -40,31 +41,36 @@ typedef struct case_row {
 /* Returns the row of a contact that has no solution yet. */
 case_row case_row_of(const ehd_contact *contact);
 
-/* Checks the name caller->output. EHD_USAGE: it does not end with .csv, .h5 or .hdf5.
- * EHD_CANTCREATE as output_file_check. */
+/* Checks the name caller->output. Returns EHD_USAGE if the name does not end with .csv, .h5 or
+ * .hdf5. Returns EHD_CANTCREATE in the same cases as output_file_check. */
 ehd_status case_table_check(const program *caller, ehd_error *error);
 
 /* A table that is being written, some rows at a time. */
 typedef struct case_table case_table;
 
-/* Makes an empty table. case_table_expect then collects its columns, before case_table_begin. */
+/* Makes an empty table. After this call, case_table_expect announces the rows, so that the columns
+ * are known. Then case_table_begin starts to write. */
 ehd_status case_table_new(
     // output:
     case_table **table, // give to case_table_finish or case_table_close
     // input:
     const program *caller, ehd_error *error);
 
-/* Announces a row: the table has a column for each of the row's values that is not NaN. */
+/* Announces a row. The table gets a column for each value of the row that is not NaN. */
 void case_table_expect(case_table *table, const case_row *row);
 
-/* Starts to write caller->output, or CSV to stdout if caller->output is NULL. A CSV has first the
- * columns of the list, then the columns of schemas/cases.md. If scenes are given in SI units,
- * columns that have a factor to SI units follow once more in SI units, each with its unit after the
- * name. The last column is the reason of a status.
+/* Starts to write caller->output, or CSV to stdout if caller->output is NULL. A CSV table has, in
+ * this order,
+ * - the columns of the list,
+ * - the columns of schemas/cases.md,
+ * - if scenes are given in SI units: the columns that have a factor to SI units once more, in SI
+ *   units and with the unit after the name,
+ * - the reason of the status.
  *
- * With `resume`, the table of an interrupted run of the same settings and inputs is continued, if
- * there is one. *num_done: rows that are already in the table. EHD_CANTCREATE, EHD_IO, EHD_MEMORY;
- * EHD_DATA: the rows belong to another run or are damaged. */
+ * With `resume`, continues the table of an interrupted run of the same settings and inputs, if
+ * there is such a table. *num_done is the number of rows that are already in the table. Returns
+ * EHD_DATA if the rows belong to another run or are damaged. Other errors: EHD_CANTCREATE, EHD_IO,
+ * EHD_MEMORY. */
 ehd_status case_table_begin(
     // in and out:
     case_table *table,
@@ -76,10 +82,11 @@ ehd_status case_table_begin(
     const char *const *inputs, // paths, NULL at the end
     bool resume, ehd_error *error);
 
-/* Reads the status of the rows that were already there, one row per call. EHD_DATA, EHD_IO. */
+/* Reads the status of one row that an interrupted run wrote; each call reads the next row. Errors:
+ * EHD_DATA, EHD_IO. */
 ehd_status case_table_status(int64_t *status, case_table *table, ehd_error *error);
 
-/* Appends rows. They are kept if the process is killed later. */
+/* Appends rows. The rows are kept if the process is killed later. */
 ehd_status case_table_put(case_table *table,
                           const case_row *rows,    // [count]
                           const case_texts *texts, // [count] of the list
@@ -88,8 +95,8 @@ ehd_status case_table_put(case_table *table,
 /* Gives the table its final name, and frees it. EHD_IO. */
 ehd_status case_table_finish(case_table **table, ehd_error *error);
 
-/* Frees an unfinished table. If it has rows, its partial file stays, to be resumed. Does nothing
- * without a table. */
+/* Frees an unfinished table. If the table has rows, its partial file stays, so that the run can be
+ * resumed. Does nothing if *table is NULL. */
 void case_table_close(case_table **table);
 
 #endif

@@ -12,10 +12,10 @@ typedef struct output_reader {
     ehd_status (*read)(const char *path, ehd_error *error);
 } output_reader;
 
-/* Checks that a file is a whole and valid artefact and can be read by the programs. A result is
- * always read. Any other kind is read by the entry of `readers` for this kind, if there is one,
- * after its grid (a table of cases has no grid). `readers` ends with {0}; NULL: none. Errors are
- * those of reading the file: EHD_DATA, EHD_NOINPUT, EHD_MEMORY, EHD_IO. */
+/* Checks that a file is a whole and valid artefact and that the programs can read it. A result is
+ * always read. For any other kind of file the grid is read, except for a table of cases, which has
+ * no grid. Then the entry of `readers` for this kind, if there is one, reads the file. `readers`
+ * ends with {0} and may be NULL. Errors: EHD_DATA, EHD_NOINPUT, EHD_MEMORY, EHD_IO. */
 ehd_status output_check_file(const char *path, const output_reader *readers, ehd_error *error);
 
 /* Checks the file caller->check with output_check_file. Prints nothing if it is valid, else one

@@ -7,17 +7,17 @@
 #include <stdbool.h>
 
 enum {
-    EFFECT_STEP,         // step, central film
-    EFFECT_INLET,        // inlet, central film
-    EFFECT_STEP_MINIMUM, // step, minimum film
+    EFFECT_STEP,         // error of the central film due to the step
+    EFFECT_INLET,        // error of the central film due to the inlet length
+    EFFECT_STEP_MINIMUM, // error of the minimum film due to the step
     EFFECT_INLET_MINIMUM,
-    EFFECT_STEP_ROLLING, // step, rolling resistance and rolling moment
+    EFFECT_STEP_ROLLING, // error of rolling resistance and rolling moment due to the step
     EFFECT_INLET_ROLLING,
     NUM_EFFECTS
 };
 
-/* Estimated sizes of the relative errors due to the step and the length of the inlet. NaN:
- * unknown. Infinite: the grid is too coarse, or its inlet too short, for an estimate. */
+/* Estimated sizes of the relative errors due to the step and the length of the inlet. NaN: the
+ * error is not known. Infinite: the grid is too coarse, or its inlet too short, for an estimate. */
 typedef struct film_effects {
     double of[NUM_EFFECTS];
 } film_effects;
@@ -30,13 +30,13 @@ bool film_effects_are_infinite(const film_effects *effects);
 /* Checks whether the inlet is too short to estimate its error, although the step is fine enough. */
 bool film_effects_inlet_is_short(const film_effects *effects);
 
-/* Returns the relative error estimate of the rolling resistance for step and inlet; NaN:
- * unknown. */
+/* Returns the relative error estimate of the rolling resistance, due to step and inlet together, or
+ * NaN if it is not known. */
 double film_effects_of_rolling(const film_effects *effects);
 
-/* "step_effect", …: attributes of a result, and datasets of snapshots. */
+/* Names of attributes of a result, and of datasets of snapshots: "step_effect", … */
 extern const char *const film_effect_names[NUM_EFFECTS];
-/* "state_step_effect", …: datasets of bases and models. */
+/* Names of datasets of bases and models: "state_step_effect", … */
 extern const char *const film_effect_state_names[NUM_EFFECTS];
 
 #endif

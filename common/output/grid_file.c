@@ -10,7 +10,7 @@
 
 static const double COARSEST_STEP = 0.25; // Bounds of the grid step, half widths, as for scenes
 
-/* Writes an axis. `along`: distance, in rows, between its nodes. */
+/* Writes an axis. `along` is the distance, in rows, between neighbouring nodes of the axis. */
 static ehd_status write_axis(artefact *file, const char *name, size_t length, size_t along,
                              const ehd_grid *grid, double place(const ehd_grid *, size_t),
                              ehd_error *error) {
@@ -31,7 +31,7 @@ ehd_status grid_write_axes(artefact *file, const ehd_grid *grid, ehd_error *erro
     return write_axis(file, "y", grid->inner_lines, grid->inner_x, grid, grid_y, error);
 }
 
-/* Return the number of values of an inner field in a file, and the node of the grid for each
+/* Return the number of values in a file of a field at the inner nodes, and the grid node of each
  * value. */
 static size_t count_inner(const ehd_grid *grid, bool mirrored) {
     return mirrored ? grid_whole(grid).num_inner : grid->num_inner;
@@ -231,7 +231,7 @@ ehd_status grid_of_file(ehd_grid *grid, const contact_kind **kind, const char *p
     if (!status && artefact_length(file, "x") == 0)
         status = ehd_fail(error, EHD_DATA, "%s: x: found none, expected a file with fields", path);
     if (!status) status = grid_read(grid, kind, file, error);
-    // a result has both halves of a point contact: back to a half grid
+    // a result has both halves of a point contact, but programs solve a half grid
     if (!status && grid->inner_lines > 1 && artefact_kind(file) == &schema_result) {
         ehd_grid half = *grid;
         half.half = true;

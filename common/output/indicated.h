@@ -6,11 +6,12 @@
 
 typedef enum indicated_quantity {
     INDICATED_CENTRAL_PRESSURE, // relative
-    INDICATED_EXIT_POSITION,    // half widths; unknown if exits are nodes
-    INDICATED_LOAD,             // over the reference load
-    INDICATED_PRESSURE,         // largest of all nodes, Hertz pressures
-    INDICATED_FILM,             // largest of all nodes with pressure, over the central film
-    INDICATED_FRICTION,         // relative, of the friction force; last, since older files lack it
+    INDICATED_EXIT_POSITION,    // half widths; unknown if only the node of the exit is known
+    INDICATED_LOAD,             // relative to the reference load
+    INDICATED_PRESSURE,         // largest error of all nodes, in Hertz pressures
+    INDICATED_FILM,             // largest error of all nodes with pressure, over the central film
+    // relative error of the friction force; it stands last, because older files lack it
+    INDICATED_FRICTION,
     NUM_INDICATED
 } indicated_quantity;
 

@@ -17,7 +17,7 @@ typedef struct column {
     const char *name;
     const artefact_field *field; // NULL: an axis or an attribute
     const char *axes[ARTEFACT_MAX_RANK];
-    size_t rank;       // 0: an attribute
+    size_t rank;       // number of axes; 0: an attribute
     double *reals;     // slice of a field, or the whole axis
     int64_t *integers; // slice of an integer field
     char *text;        // text of an attribute
@@ -29,7 +29,7 @@ typedef struct column {
 typedef struct entries {
     const char *axes[ARTEFACT_MAX_RANK];
     size_t lengths[ARTEFACT_MAX_RANK];
-    size_t rank; // 0: one line
+    size_t rank; // number of axes; 0: one line
 } entries;
 
 // ---- text
@@ -156,7 +156,8 @@ static bool fits(const column *one, const entries *all) {
     return same;
 }
 
-/* Takes the entries of the column with the most axes, and checks that all columns fit. */
+/* Finds the entries to print: they have the axes of the column with the most axes. Checks that all
+ * columns fit. */
 static ehd_status find_entries(entries *all, const artefact *file, const column *columns,
                                size_t num_columns, ehd_error *error) {
     const column *first = columns;
@@ -204,8 +205,8 @@ static size_t add_leading_axes(column *columns, size_t num_columns, const entrie
 
 // ---- SI units
 
-/* Finds the axis of a column's frame. EHD_DATA: the frame has several entries, and its axis is none
- * of the entries' axes. */
+/* Finds the axis along which the second SI factor of a column varies. Returns EHD_DATA if this
+ * factor has several values and its axis is not an axis of the entries. */
 static ehd_status find_frame(column *one, const artefact *file, const entries *all,
                              ehd_error *error) {
     const char *axis = one->si.frame_axis;
@@ -296,10 +297,10 @@ static ehd_status read_slice(column *columns, size_t num_columns, artefact *file
 
 // ---- lines
 
-/* Prints empty lines before an entry at which axes start again: one for the last axis, two if
- * further axes start again. */
+/* Prints empty lines before an entry at which axes start again: one line if only the last axis
+ * starts again, two lines if further axes do so too. */
 static void print_gap(const entries *all, const size_t index[ARTEFACT_MAX_RANK], FILE *stream) {
-    size_t inner = 0; // axes of several entries that start again
+    size_t inner = 0; // number of axes with several entries that start again
     for (size_t k = all->rank; k-- > 0;) {
         if (all->lengths[k] == 1) continue;
         if (index[k] > 0) break;
@@ -315,7 +316,8 @@ static double factor_at(const column *one, const entries *all,
     return si_units_at(&one->si, one->frame_axis < all->rank ? index[one->frame_axis] : 0);
 }
 
-/* Prints one value. `place`: entry of a field in its slice; `index`: entry along each axis. */
+/* Prints one value. `place` is the position of the entry in the slice of a field; `index` is its
+ * position along each axis. */
 static void print_value(const column *one, const entries *all, size_t place,
                         const size_t index[ARTEFACT_MAX_RANK], FILE *stream) {
     if (one->text) {
@@ -380,7 +382,7 @@ static ehd_status print_lines(column *columns, size_t num_columns, artefact *fil
             if (program_interrupted())
                 status = ehd_fail(error, EHD_INTERRUPTED,
                                   "%s: found an interruption, expected none", artefact_path(file));
-            if (ferror(stream)) return EHD_OK; // program_finish reports it
+            if (ferror(stream)) return EHD_OK; // program_finish reports this error
         }
     }
     return status;

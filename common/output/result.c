@@ -98,7 +98,7 @@ static ehd_status put_scalars(artefact *file, const run_result *result, ehd_erro
                  {"central_pressure", result->central_pressure},
                  {"rigid_approach", result->rigid_approach},
                  {"load", result->load},
-                 {"contact_half_width", 1}, // the reference's own frame
+                 {"contact_half_width", 1}, // the frame of the reference itself
                  {"frame_hertz_pressure", 1},
                  {"frame_film_unit", 1},
                  {"residual_norm", result->residual}};
@@ -314,8 +314,8 @@ ehd_status result_get_contact(stored_result *stored, artefact *file, const conta
     return status;
 }
 
-/* Reads the first exit at Y = 0. A point contact has exits on each line; a line has several if the
- * entrainment reverses. */
+/* Reads the first exit at Y = 0. A point contact has an exit on each line of nodes. A line of nodes
+ * has several exits if the entrainment reverses. */
 static ehd_status get_exit(stored_result *stored, artefact *file, ehd_error *error) {
     const size_t several = artefact_length(file, "exit"), each = several > 0 ? several : 1;
     if (!artefact_has(file, "exit_position")) return EHD_OK;
@@ -338,7 +338,7 @@ static ehd_status get_scalars(stored_result *stored, artefact *file, ehd_error *
                  {"central_pressure", &stored->central_pressure}};
     ehd_status status = EHD_OK;
 
-    // NEED_ALWAYS fields exist, or the file would not have opened
+    // fields with NEED_ALWAYS exist; otherwise the file could not have been opened
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
         if (artefact_has(file, reals[i].name))
             status = artefact_get(file, reals[i].name, reals[i].value, 1, error);

@@ -18,12 +18,13 @@ enum { RESULT_REASON = 256 }; // bytes, with the closing zero
 /* Which model solved a scene, if the reduced model can fall back on the full one. */
 typedef enum result_model { SOLVED_BY_ANY, SOLVED_BY_REDUCED, SOLVED_BY_FULL } result_model;
 
-/* Result of a solver. Numbers are dimensionless. NaN: unknown. */
+/* Result of a solver. Numbers are dimensionless. NaN: the value is not known. */
 typedef struct run_result {
-    const double *pressure;           // [num_nodes] of the contact's grid, NULL: no fields
-    const double *film;               // [num_nodes], NULL: no fields
-    const contact_traction *traction; // NULL: none; with fields the file also has the stresses
-    const double *exits; // [lines of the whole grid] X of the exit, for a point contact
+    const double *pressure; // [num_nodes] of the contact's grid, NULL: no fields
+    const double *film;     // [num_nodes], NULL: no fields
+    // NULL: no traction. A result with fields and traction also gets fields of the stresses
+    const contact_traction *traction;
+    const double *exits; // [lines of the whole grid] X of each exit, for a point contact
     double central_film_thickness;
     double minimum_film_thickness;
     double central_pressure;
@@ -34,22 +35,22 @@ typedef struct run_result {
     double residual;
     double indicated_deviation;         // error estimate of the central film, relative; NaN: none
     double indicated_deviation_minimum; // error estimate of the minimum film
-    const double *indicated;            // [NUM_INDICATED] error estimates of other quantities or
-                                        // NaN; NULL: none
-    const film_effects *effects;        // error estimates of the grid; NULL: unknown
-    result_model solved_by;             // SOLVED_BY_ANY: not stored
+    const double *indicated;            // [NUM_INDICATED] error estimates of other quantities, or
+                                        // NaN; NULL: no estimates
+    const film_effects *effects;        // estimated errors due to the grid; NULL: unknown
+    result_model solved_by;             // SOLVED_BY_ANY: the model is not stored
     ehd_status status;                  // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
     char reason[RESULT_REASON];         // why the status is not EHD_OK, or ""
     double seconds;                     // time of the solution, without reading and writing
     double seconds_rows, seconds_linear, seconds_exit; // parts of `seconds`; NaN: not measured
 } run_result;
 
-/* Sets EHD_UNTRUSTED for a solved result if its grid is too coarse or too short to estimate its
- * error. */
+/* Sets the status of a solved result to EHD_UNTRUSTED if the grid is too coarse, or its inlet too
+ * short, for an error estimate. */
 void result_judge_grid(run_result *result, const ehd_grid *grid);
 
 /* Creates caller->output before the solution is known, so that an output that cannot be written is
- * refused before the work. `inputs`: paths, NULL at the end. Errors as artefact_create. */
+ * refused before the work. `inputs`: paths, NULL at the end. Errors: see artefact_create. */
 ehd_status result_create(
     // output:
     artefact **file, // give to result_write, or to artefact_close, which leaves no file
@@ -61,11 +62,11 @@ ehd_status result_create(
 ehd_status result_write(artefact **file, const run_result *result, const ehd_contact *contact,
                         ehd_error *error);
 
-/* Shared by the result files of stationary and transient scenes: */
+/* The next three functions are used for the result files of stationary and transient scenes. */
 
 /* Writes the attributes of the reference contact. */
 ehd_status result_put_contact(artefact *file, const ehd_contact *contact, ehd_error *error);
-/* Writes the attribute solve_seconds and its parts; only the times of `result` are used. */
+/* Writes the attribute `solve_seconds` and its parts. Only the times of `result` are used. */
 ehd_status result_put_seconds(artefact *file, const run_result *result, ehd_error *error);
 /* Returns the value for the field `status`. */
 int64_t result_stored_status(ehd_status status);
@@ -74,15 +75,16 @@ int64_t result_stored_status(ehd_status status);
  * is given in SI units. */
 void result_print(const run_result *result, const ehd_contact *contact);
 
-/* A stationary result read from a file. Values that a file of another program lacks are NaN. */
+/* A stationary result read from a file. If a file of another program lacks a value, the value is
+ * NaN. */
 typedef struct stored_result {
     ehd_discretization discretization;
     ehd_boundary boundary;
     contact_shape shape;
-    double x_min; // grid of the file, and of the fields
+    double x_min; // first inner node of the grid of the file and its fields
     double step;
-    size_t num_inner; // nodes of a field; 0: neither fields nor an axis x
-    size_t num_lines; // lines of these nodes; 1 for a line contact
+    size_t num_inner; // number of nodes of a field; 0: the file has neither fields nor an axis x
+    size_t num_lines; // number of lines of these nodes; 1 for a line contact
     double moes_M, moes_L, alpha_p_H;
     flow_thinning thinning;
     double hertz_pressure; // Pa
@@ -92,20 +94,20 @@ typedef struct stored_result {
     double rigid_approach;
     double exit_position; // at Y = 0
     int64_t status;       // 0 if missing
-    double *pressure;     // [num_inner], NULL: not in the file or not wanted
-    double *film;         // [num_inner], NULL: not in the file or not wanted
+    double *pressure;     // [num_inner] NULL: the file has no pressures, or they were not read
+    double *film;         // [num_inner] NULL: the file has no films, or they were not read
 } stored_result;
 
-/* Reads grid and reference contact of an open file; moes_L is NaN if missing. EHD_DATA: another
- * kind of contact. */
+/* Reads grid and reference contact of an open file; moes_L is NaN if missing. Returns EHD_DATA for
+ * another kind of contact. */
 ehd_status result_get_contact(
     // output:
     stored_result *stored, // only grid and reference contact are set
     // input:
     artefact *file, const contact_kind *kind, ehd_error *error);
 
-/* Reads a stationary result. Errors as artefact_open; EHD_DATA also for several times, and for
- * numbers that are not finite in a converged result. */
+/* Reads a stationary result. Errors: see artefact_open. Also returns EHD_DATA for several times,
+ * and for numbers that are not finite in a converged result. */
 ehd_status result_read(
     // output:
     stored_result *stored, // free with result_free
@@ -117,7 +119,8 @@ void result_free(stored_result *stored); // also after a failed result_read
 /* Returns the whole grid of a stored result; it has no nodes if the file has no axis x. */
 ehd_grid result_grid(const stored_result *stored);
 
-/* Checks that the stored result has this grid. EHD_DATA, naming `path`: it has another one. */
+/* Checks that the stored result has this grid. Returns EHD_DATA, naming `path`, for another
+ * grid. */
 ehd_status result_check_grid(const stored_result *stored, const char *path, const ehd_grid *grid,
                              ehd_error *error);
 

@@ -13,7 +13,7 @@
 
 enum { NUM_SLOTS = 2, SLOT_INVALID = -1 };
 
-/* Real scalars at one time: name of their field, and offsets for writer and reader. */
+/* Real scalars at one time: name of the field, offset for the writer, offset for the reader. */
 static const struct {
     const char *name;
     size_t entry;  // offset of a double in time_entry
@@ -86,7 +86,7 @@ ehd_status time_result_create(artefact **file, const program *caller, const ehd_
                                                 caller, settings_text, inputs, error);
 
     if (!status) status = result_put_contact(*file, reference, error);
-    // the exits of a point contact are along y
+    // the exits of a point contact need the axis y
     if (!status && (with_fields || whole.inner_lines > 1))
         status = grid_write_axes(*file, &whole, error);
     if (!status && with_all_exits)
@@ -105,7 +105,7 @@ ehd_status time_result_create(artefact **file, const program *caller, const ehd_
 
 // ---- entries
 
-/* Writes the exits of each line: all of them, or the first one if the file has one per line. */
+/* Writes all exits of each line, or the first exit if the file has one exit per line. */
 static ehd_status put_exits(artefact *file, const time_entry *entries, size_t count,
                             size_t num_lines, size_t index, ehd_error *error) {
     const size_t each = artefact_length(file, "exit") > 0 ? GRID_EXITS : 1;
@@ -120,7 +120,7 @@ static ehd_status put_exits(artefact *file, const time_entry *entries, size_t co
     return status;
 }
 
-/* Writes the double at `offset` of each entry. `column`: work [count]. */
+/* Writes the double at `offset` of each entry. `column`, [count], is work space. */
 static ehd_status put_real(artefact *file, const char *name, size_t offset,
                            const time_entry *entries, size_t count, size_t index, double *column,
                            ehd_error *error) {
@@ -170,7 +170,7 @@ static ehd_status put_fields(artefact *file, const time_entry *entry, const ehd_
     if (!status && entry->film)
         status = grid_put_field(file, "film_thickness", index, entry->film, grid, true, error);
     if (!status && entry->pressure && entry->film && entry->frame)
-        // approach in units of the frame, which only the far field of a point contact needs
+        // the approach, in units of the frame, is needed only for the far field of a point contact
         status = traction_put_stresses(file, index, entry->frame, entry->pressure, entry->film,
                                        entry->rigid_approach / entry->frame_film_unit, error);
     return status;
@@ -199,8 +199,8 @@ ehd_status time_result_append(artefact *file, const ehd_grid *grid, const time_e
 
 // ---- restart slots
 
-/* Reads for each slot the number of entries after which a run resumes from it. A slot is invalid
- * if a kill damaged its number. */
+/* Reads for each slot the number of entries after which a run resumes from this slot. A slot is
+ * invalid if a kill damaged this number. */
 static ehd_status get_slots(int64_t num_entries[NUM_SLOTS], artefact *file, ehd_error *error) {
     ehd_status status = EHD_OK;
 
@@ -234,8 +234,8 @@ ehd_status time_result_checkpoint(artefact *file, const double *restart, size_t 
     return status;
 }
 
-/* Checks that the earlier run had this grid and restart_size. Equal settings are not enough: they
- * may leave the grid to the contact or to other files. */
+/* Checks that the earlier run had this grid and restart_size. Equal settings are not enough,
+ * because the contact or other files may determine the grid. */
 static ehd_status check_same_run(artefact *file, const ehd_contact *reference, size_t restart_size,
                                  ehd_error *error) {
     const size_t found = artefact_length(file, "restart_entry");
@@ -244,7 +244,7 @@ static ehd_status check_same_run(artefact *file, const ehd_contact *reference, s
     ehd_error cause = {""};
     ehd_status status = result_get_contact(&run, file, reference->kind, error);
 
-    // a line contact without fields has no axis x; then restart_size depends on the number of nodes
+    // a line contact without fields has no axis x; restart_size then shows another number of nodes
     if (run.num_inner == 0) run.num_inner = grid_whole(&reference->grid).num_inner;
     if (!status) status = result_check_grid(&run, "partial", &reference->grid, &cause);
     if (*cause.text) return ehd_fail(error, status, "%s.%s", artefact_path(file), cause.text);
@@ -258,7 +258,7 @@ static ehd_status check_same_run(artefact *file, const ehd_contact *reference, s
     return status;
 }
 
-/* Reads the valid slot of the latest time; zeros if there is none. */
+/* Reads the valid slot of the latest time. Fills `restart` with zeros if no slot is valid. */
 static ehd_status get_restart(double *restart, size_t *num_entries, artefact *file,
                               size_t restart_size, ehd_error *error) {
     int64_t found[NUM_SLOTS];
@@ -288,7 +288,7 @@ ehd_status time_result_resume(artefact **file, double *restart, size_t *num_entr
     if (!status && restart_size > 0)
         status = get_restart(restart, num_entries, *file, restart_size, error);
     if (!status) status = artefact_cut_axis(*file, "time", *num_entries, error);
-    // the other slot may be half written, and the finished file has to be whole
+    // the other slot may be half written. It is overwritten, since the finished file must be whole
     if (!status && restart_size > 0)
         status = time_result_checkpoint(*file, restart, *num_entries, error);
     if (status) artefact_close(file);
@@ -352,7 +352,7 @@ static ehd_status allocate(time_series *series, const char *path, ehd_error *err
 }
 
 static ehd_status get_time(time_series *series, artefact *file, ehd_error *error) {
-    // a stationary file need not have a scale
+    // the axis `time` of a stationary file need not have values
     if (series->num_times == 1 && !artefact_has_scale(file, "time")) return EHD_OK;
     ehd_status status = artefact_get_axis(file, "time", series->time, series->num_times, error);
 
@@ -365,8 +365,8 @@ static ehd_status get_time(time_series *series, artefact *file, ehd_error *error
     return status;
 }
 
-/* Reads, for each time, number `place` of the `each` numbers of a field; NaN if the file lacks the
- * field. */
+/* Reads one number of a field for each time. The field has `each` numbers per time, of which number
+ * `place` is read. The result is NaN if the file lacks the field. */
 static ehd_status get_real(double *values, size_t num_times, artefact *file, const char *name,
                            size_t each, size_t place, ehd_error *error) {
     for (size_t t = 0; t < num_times; t++)

@@ -14,19 +14,19 @@
 #include <stdint.h>
 
 /* Results at one time. Numbers are dimensionless and in the reference frame unless noted otherwise.
- * NaN: unknown. */
+ * NaN: the value is not known. */
 typedef struct time_entry {
     double time; // T, increasing from entry to entry
     double central_film_thickness;
     double minimum_film_thickness;
     double central_pressure;
     double rigid_approach;
-    double load;               // relative to the reference
-    double contact_half_width; // of the frame, relative to the reference; so are the next two
-    double frame_hertz_pressure;
-    double frame_film_unit;  // a^2/R
-    double surface_position; // only of a contact with a surface
-    const double *exits;     // [lines of the whole grid, GRID_EXITS], in the order of march_solver
+    double load;                 // relative to the reference
+    double contact_half_width;   // half width of the frame, relative to the reference
+    double frame_hertz_pressure; // relative to the reference
+    double frame_film_unit;      // a^2/R, relative to the reference
+    double surface_position;     // only if a surface is not smooth
+    const double *exits; // [lines of the whole grid, GRID_EXITS], in the order of march_solver
     size_t newton_iterations;
     double residual;
     ehd_status status;                   // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
@@ -53,11 +53,13 @@ typedef struct time_summary {
     double seconds_full; // time of the full model, all attempts
 } time_summary;
 
-/* Creates caller->output and starts streaming. `with_fields`: the file has pressure and film, at
- * some times at least. `with_all_exits`: the file has the exit of every interval of pressure, for
- * entrainment that reverses; else one exit per line. `with_models`: the file has which model solved
- * each time. `restart_size`: numbers that a run needs to continue; 0: it cannot be resumed.
- * `inputs`: paths, NULL at the end. Errors as artefact_create. */
+/* Creates caller->output and starts streaming. Errors: see artefact_create.
+ * - `with_fields`: the file has pressure and film, at some times at least.
+ * - `with_all_exits`: the file has the exit of every interval of pressure, for entrainment that
+ *   reverses. Otherwise it has one exit per line.
+ * - `with_models`: the file stores which model solved each time.
+ * - `restart_size`: how many numbers a run needs to continue; 0: the run cannot be resumed.
+ * - `inputs`: paths, NULL at the end. */
 ehd_status time_result_create(
     // output:
     artefact **file, // give to time_result_finish; artefact_close leaves NAME.partial
@@ -66,23 +68,23 @@ ehd_status time_result_create(
     const char *const *inputs, bool with_fields, bool with_all_exits, bool with_models,
     size_t restart_size, ehd_error *error);
 
-/* Writes `count` entries from `index` on, counted from 0, and flushes them for readers. `time`
- * grows last, so that the data of a time are there before the time is visible. EHD_IO; EHD_MEMORY;
- * EHD_INTERNAL: fields in a file without fields. */
+/* Writes `count` entries from `index` on, counted from 0, and flushes them for readers. The axis
+ * `time` grows last, so that the data of a time are in the file before readers see the time.
+ * Returns EHD_INTERNAL for fields in a file without fields. Other errors: EHD_IO, EHD_MEMORY. */
 ehd_status time_result_append(artefact *file, const ehd_grid *grid, const time_entry *entries,
                               size_t count, size_t index, ehd_error *error);
 
-/* Stores a checkpoint, with which a run can continue after entry num_entries - 1. Two slots are
- * used in turn. The number of entries of a slot is deleted first and written last, so that a kill
- * at any moment leaves one slot whole. */
+/* Stores a checkpoint, from which a run can continue after entry num_entries - 1. The file has two
+ * slots for checkpoints, which are used in turn. The number of entries of a slot is deleted first
+ * and written last, so that a kill at any moment leaves one slot whole. */
 ehd_status time_result_checkpoint(artefact *file,
                                   const double *restart, // [restart_size] of the file
                                   size_t num_entries, ehd_error *error);
 
-/* Opens NAME.partial of an earlier run, streams again, and drops the entries after its last whole
- * checkpoint; the run computes them again. EHD_NOINPUT: no such file. EHD_DATA: the file is
- * damaged, or its settings, model, tables, grid or restart_size differ. EHD_CANTCREATE as
- * artefact_resume. */
+/* Opens NAME.partial of an earlier run and starts streaming again. Drops the entries after the last
+ * whole checkpoint; the run computes these entries again. Returns EHD_NOINPUT if there is no such
+ * file. Returns EHD_DATA if the file is damaged, or if its settings, model, tables, grid or
+ * restart_size differ. Returns EHD_CANTCREATE in the same cases as artefact_resume. */
 ehd_status time_result_resume(
     // output:
     artefact **file,
@@ -90,7 +92,7 @@ ehd_status time_result_resume(
     size_t *num_entries, // 0: there was no checkpoint yet
     // input:
     const program *caller, const ehd_contact *reference, const char *settings_text,
-    const char *const *models, // paths, ended by NULL; NULL: none
+    const char *const *models, // paths of the model files, ended by NULL; NULL: no model was used
     const scene *given,        // names the tables that are read
     size_t restart_size, ehd_error *error);
 
@@ -98,10 +100,10 @@ ehd_status time_result_resume(
  * case; on failure NAME.partial stays. */
 ehd_status time_result_finish(artefact **file, const time_summary *summary, ehd_error *error);
 
-/* Scalars of a result over time; one time if stationary. Values that a file of another program
- * lacks are NaN, integers -1. */
+/* Scalars of a result over time. A stationary result has one time. A file of another program may
+ * lack values: reals are then NaN, and integers -1. */
 typedef struct time_series {
-    ehd_grid grid; // whole; without nodes for a line contact without fields
+    ehd_grid grid; // whole grid; it has no nodes for a line contact without fields
     double moes_M, moes_L, alpha_p_H;
     flow_thinning thinning;
     double hertz_pressure; // Pa
@@ -115,7 +117,7 @@ typedef struct time_series {
     double *contact_half_width;
     double *frame_hertz_pressure;
     double *frame_film_unit;
-    double *exit_position; // the farthest downstream at Y = 0
+    double *exit_position; // exit farthest downstream at Y = 0
     double *residual_norm;
     double *time_step;
     double *time_effect, *time_effect_minimum;
@@ -125,8 +127,9 @@ typedef struct time_series {
     int64_t *status;
 } time_series;
 
-/* Reads the scalars of a result over time. Errors as artefact_open; EHD_DATA also for another kind
- * of contact, times that do not increase, and several times without values on the axis. */
+/* Reads the scalars of a result over time. Errors: see artefact_open. Also returns EHD_DATA for
+ * another kind of contact, for times that do not increase, and for several times if the axis `time`
+ * has no values. */
 ehd_status time_series_read(
     // output:
     time_series *series, // free with time_series_free, also after a failure

@@ -14,10 +14,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* CHECKPOINT_PAUSE: shortest time between two checkpoints, s. WRITE_PAUSE: longest time before a
- * step is written, together with others, s. A write takes as long as a step. A reader that follows
- * the run sees new steps five times a second (transient.bats, "a run can be followed, killed and
- * resumed"). */
+/* CHECKPOINT_PAUSE: shortest time between two checkpoints, s. WRITE_PAUSE: longest time that a step
+ * waits to be written together with other steps, s. Steps are written together because a write
+ * takes as long as a step. A reader that follows the run sees new steps five times a second
+ * (transient.bats, "a run can be followed, killed and resumed"). */
 static const double CHECKPOINT_PAUSE = 1, WRITE_PAUSE = 0.2;
 enum { MAX_WAITING = 256 };
 
@@ -25,14 +25,16 @@ enum { MAX_WAITING = 256 };
  * are doubles, so that the struct can be saved as numbers. */
 typedef struct run_totals {
     double seconds, seconds_rows, seconds_linear, seconds_exit; // as in time_summary
-    double min_film, max_film;                                  // smallest minimum, largest central
-    // effect of the time steps: int effect^2 dT of the central film, and the largest of each film
+    // smallest minimum film and largest central film
+    double min_film, max_film;
+    // effect of the time steps: integral of effect^2 over T for the central film, and the largest
+    // effect on each film
     double effect_squares, max_effect, max_effect_minimum;
     double max_indicated, max_indicated_minimum; // error estimates of both films; NaN: unknown
     double max_inlet, time_of_inlet;             // largest effect of the inlet, and its T
 } run_totals;
 
-/* Offsets in a restart slot, in numbers. */
+/* Offsets in a restart slot, counted in doubles. */
 enum {
     AT_APPROACH = sizeof(march_state) / sizeof(double),
     AT_TOTALS,
@@ -42,17 +44,18 @@ enum {
 
 typedef struct runner {
     const time_run_task *task;
-    apart_march contact; // the task's solver, wrapped so that bodies may part
+    apart_march contact; // the task's solver, wrapped so that the bodies may come apart
     march march;
     artefact *file; // NULL: nothing is written
     double *restart;
-    double *pressure, *film;         // [num_nodes], NULL: no fields
-    double *exits;                   // [MAX_WAITING, lines of the whole grid, GRID_EXITS]
-    time_entry waiting[MAX_WAITING]; // written together, since a write takes as long as a step
+    double *pressure, *film; // [num_nodes], NULL: no fields
+    double *exits;           // [MAX_WAITING, lines of the whole grid, GRID_EXITS]
+    // entries that wait to be written together, because a write takes as long as a step
+    time_entry waiting[MAX_WAITING];
     size_t num_waiting, num_written;
     double started, last_checkpoint, last_write;
-    double writing;    // s spent on writing since the start
-    run_totals totals; // films of all entries; seconds of earlier runs only
+    double writing;    // seconds spent on writing since the start
+    run_totals totals; // the films are of all entries, the seconds of earlier runs only
     time_trace *trace;
     progress progress;
 } runner;
@@ -106,7 +109,7 @@ static ehd_status trace_read(time_trace *trace, artefact *file, size_t num_entri
 
 // ---- storing
 
-/* Returns the totals with this run's seconds up to `now`. */
+/* Returns the totals; the seconds include this run up to `now`. */
 static run_totals totals_at(const runner *self, double now) {
     run_totals totals = self->totals;
     double rows, linear, exit;
@@ -176,7 +179,7 @@ static ehd_status checkpoint(runner *self, double now, ehd_error *error) {
 }
 
 /* Returns the exits in the reference frame, in memory that stays until the entry is written. For a
- * line contact the first exit is the exit of the scalars. */
+ * line contact the first exit is taken from `scalars`. */
 static const double *take_exits(runner *self, const march_step *step,
                                 const contact_scalars *scalars) {
     const size_t num_lines = grid_whole(&self->task->reference->grid).inner_lines;
@@ -195,7 +198,7 @@ static double larger(double a, double b) {
     return isnan(a) || isgreater(a, b) ? a : b;
 }
 
-/* Stores a step as entry `index` of the file, with fields at every N-th step. */
+/* Stores a step as entry `index` of the file. Every N-th entry has fields (output.fields_every). */
 static ehd_status store(void *sink, const march_step *step, size_t index, ehd_error *error) {
     runner *self = sink;
     double before = program_seconds();
@@ -337,7 +340,7 @@ static ehd_status begin(runner *self, ehd_error *error) {
 
 // ---- the end
 
-/* Prints at which time the march ended early, and since when it is not to be trusted. */
+/* Prints at which time the march ended early, and from which time on it is not to be trusted. */
 static void report_shortfall(const runner *self, ehd_status outcome) {
     const march_state *state = &self->march.state;
     const char *output = self->task->caller->output;
@@ -352,16 +355,16 @@ static void report_shortfall(const runner *self, ehd_status outcome) {
                self->march.untrusted);
 }
 
-/* Returns the root mean square over time of the time steps' effect on the central film; NaN:
- * unknown. */
+/* Returns the root mean square over time of the time steps' effect on the central film, or NaN if
+ * it is not known. */
 static double mean_effect(const run_totals *totals, const march_state *state) {
     return state->time > 0 ? sqrt(totals->effect_squares / state->time) : NAN;
 }
 
 /* Prints a note if error control did not keep the effect of the time steps near the tolerance. */
 static void note_effect(const runner *self, const run_totals *totals) {
-    // in tolerances. Error control keeps the effect within a factor of 3 (common/time/README.md,
-    // Along the path; scenes.bats, "the steps in time")
+    // Largest ratio of effect and tolerance without a note. Error control keeps the effect within a
+    // factor of 3 (common/time/README.md, Along the path; scenes.bats, "the steps in time")
     const double much = 3;
     const double tolerance = self->task->given->transient.tolerance;
     const double effect = mean_effect(totals, &self->march.state);
@@ -555,7 +558,7 @@ ehd_status time_run(time_trace *trace, const time_run_task *task, ehd_error *err
     if (begun && self.file && (status || outcome == EHD_NOT_CONVERGED)) {
         ehd_error ignored;
         if (status && status != EHD_INTERRUPTED)
-            write_waiting(&self, &ignored); // no checkpoint: the state may be within an attempt
+            write_waiting(&self, &ignored); // no checkpoint: an attempt may have changed the state
         else
             checkpoint(&self, program_seconds(), &ignored);
     }

@@ -65,14 +65,15 @@ ehd_status traction_put_stresses(artefact *file, size_t index, const ehd_contact
     return status;
 }
 
-/* Returns the digits to print for a number with this relative error; the last two are uncertain. */
+/* Returns how many digits to print for a number with the relative error `error`. The last two of
+ * these digits are uncertain. */
 static int digits_of(double error, int most) {
     return error > 0 ? (int)fmin(fmax(ceil(-log10(error)) + 1, 1), most) : most;
 }
 
-/* Bounds of the friction coefficient: the largest one that the law `limiting` accepts. If the
- * friction exceeds it and the viscosity rises with pressure, a line warns that the law of shear
- * stress does not hold. */
+/* Bounds of the friction coefficient: the largest value that the law `limiting` accepts. If the
+ * friction exceeds this value and the viscosity rises with pressure, a line warns that the law of
+ * shear stress does not hold. */
 static const double MUCH_FRICTION = 1;
 
 void traction_print(const contact_traction *traction, const ehd_contact *contact,

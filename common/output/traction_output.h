@@ -18,15 +18,15 @@ typedef struct traction_entry {
 
 extern const traction_entry traction_entries[NUM_TRACTION];
 
-/* Writes slide_roll and the attributes that convert traction to SI units, except for the attributes
- * of result_put_contact. */
+/* Writes slide_roll and the attributes that convert traction to SI units, except for those that
+ * result_put_contact writes. */
 ehd_status traction_put_units(artefact *file, const ehd_contact *contact, ehd_error *error);
 
 /* Writes the traction of a stationary result. */
 ehd_status traction_put(artefact *file, const contact_traction *traction, ehd_error *error);
 
-/* Writes the stresses on both surfaces as entry `index` of their fields. EHD_MEMORY; other errors
- * as artefact_put_part. */
+/* Writes the shear stresses on both surfaces as entry `index` of their fields. Errors: EHD_MEMORY,
+ * and the errors of artefact_put_part. */
 ehd_status traction_put_stresses(artefact *file, size_t index, const ehd_contact *contact,
                                  const double *pressure, // [num_nodes]
                                  const double *film,     // [num_nodes]
@@ -34,8 +34,8 @@ ehd_status traction_put_stresses(artefact *file, size_t index, const ehd_contact
                                  ehd_error *error);
 
 /* Prints a line for each number, dimensionless and in SI units. Rolling resistance, rolling moment
- * and power loss have only the digits that the error estimate of the rolling resistance allows.
- * Prints a warning if the friction is higher than a lubricant can carry. */
+ * and power loss are printed only with the digits that the error estimate of the rolling resistance
+ * allows. Prints a warning if the friction is higher than a lubricant can carry. */
 void traction_print(const contact_traction *traction, const ehd_contact *contact,
                     const film_effects *effects); // error estimates of the grid
 

@@ -14,7 +14,7 @@ enum { NUM_FIELDS = 2, NUM_LAYERS = 2 };
 
 static const char *const field_names[NUM_FIELDS] = {"pressure", "film_thickness"};
 
-/* A field; without values if the file does not have it. */
+/* A field. `values` is NULL if the file does not have the field. */
 typedef struct field {
     const char *name;
     si_units si;
@@ -93,8 +93,8 @@ static void release(images *self) {
     }
 }
 
-/* Reads the fields of a time in SI units. *any: the time has fields; fields that were not written
- * are all NaN. */
+/* Reads the fields of a time in SI units. *any is true if the time has fields. A field that was not
+ * written is NaN at all nodes. */
 static ehd_status read_time(bool *any, images *self, size_t time, ehd_error *error) {
     const size_t count = self->num_x * self->num_lines;
     ehd_status status = EHD_OK;
@@ -205,7 +205,7 @@ static ehd_status put_one(images *self, const char *path, ehd_error *error) {
 
 // ---- a time series
 
-/* Prints a text within the quotes of an XML attribute. */
+/* Prints a text so that it can stand within the quotes of an XML attribute. */
 static void print_quoted(const char *text, FILE *stream) {
     for (; *text; text++) {
         if (strchr("<>&\"", *text))
@@ -215,7 +215,8 @@ static void print_quoted(const char *text, FILE *stream) {
     }
 }
 
-/* Returns the name of an image beside the collection `path`, which ends with ".pvd"; free(). */
+/* Returns the path of an image in the folder of the collection `path`, which ends with ".pvd". Free
+ * the result with free(). */
 static char *image_path(const char *path, size_t number) {
     char *name = NULL;
     const int base = (int)(strlen(path) - strlen(".pvd"));

@@ -43,9 +43,9 @@ static double line_dry_gap(const contact_shape *shape, double x) {
     return 0.5 * (fabs(x) * sqrt(x * x - 1) - acosh(fabs(x)));
 }
 
-/* Returns ln(half_width/length)/2. The constant in eq. 4 of Maier et al. holds for a deflection
- * measured at the distance of the current half width, so this constant changes with the half width
- * (README.md, approach). */
+/* Returns ln(half_width/length)/2. In eq. 4 of Maier et al. the deflection is measured at a
+ * distance of one current half width. At a fixed distance the constant of this equation changes
+ * with the half width (README.md, approach). */
 static double line_approach_shift(double half_width, double length) {
     return 0.5 * log(half_width / length);
 }
@@ -90,8 +90,9 @@ static double point_primitive(double a, double b) {
 }
 
 /* Distance beyond which a series replaces the closed form, in side lengths of the cell. The closed
- * form takes thirty times as long. With 40 the truncation error of the series is below 1e-12 of the
- * integral. With 10 the error is too large (test_ellipse.c, kernel_is_the_integral_over_a_cell). */
+ * form takes thirty times as long. At 40 side lengths the truncation error of the series is below
+ * 1e-12 of the integral. At 10 side lengths the error is too large (test_ellipse.c,
+ * kernel_is_the_integral_over_a_cell). */
 static const double FAR_CELL = 40;
 
 /* Returns the integral of 1/r over a distant square cell, by a multipole expansion up to the fourth
@@ -163,12 +164,13 @@ static double point_dry_gap(const contact_shape *shape, double x) {
     return ((x * x - 2) * acos(1 / fabs(x)) + sqrt(x * x - 1)) / M_PI;
 }
 
-/* Estimates H at the centre by a fit for R_y >= R_x. For a narrow ellipse the fit gives as little
- * as half of the film, and Newton's iteration does not start from it. The estimate for a narrow
- * ellipse is therefore the film of the circle with the same Hertz pressure, R_x and L, which is
- * thicker. The radius of that circle is a/(k compliance). */
+/* Estimates H at the centre by a fit for R_y >= R_x. For a narrow ellipse (k < 1) the fit gives as
+ * little as half of the film, and Newton's iteration does not converge from such a thin film. The
+ * estimate for a narrow ellipse is therefore the thicker film of the circle with the same Hertz
+ * pressure, R_x and L. The radius of that circle is a/(k compliance). */
 static double point_central_film(const contact_shape *shape, double moes_M, double moes_L) {
-    // ratio: a over the radius of that circle; width: a over the radius under the same load
+    // ratio: a over the radius of that circle. width: a over the radius of the circle under the
+    // same load
     const double k = shape->ellipticity, ratio = k * shape->compliance;
     const double width = cbrt(shape->compliance);
 
@@ -205,7 +207,7 @@ const contact_kind *contact_kind_find(const char *name) {
 
 // ---- discretisations
 
-/* Returns the index of a name, or `num` if the list does not contain it. */
+/* Returns the index of a name, or `num` if the list does not contain the name. */
 static size_t find_name(const char *const *names, size_t num, const char *name) {
     size_t i = 0;
 
@@ -447,8 +449,8 @@ grid_extent grid_extent_of(const ehd_grid *grid) {
 }
 
 /* Checks whether a grid has the given ends and step, to 1e-9 of a step. NaN agrees with any value.
- * The sides of the grid may lie outside of y_max by less than a step, where grid_choose puts
- * them. */
+ * The sides of the grid may lie outside of y_max by less than a step, because grid_choose moves
+ * them outwards to a whole step. */
 static bool grid_has(const ehd_grid *grid, const grid_extent *given) {
     const grid_extent found = grid_extent_of(grid);
     const double trifle = ROUNDING * grid->step;
@@ -469,11 +471,11 @@ bool grid_same(const ehd_grid *a, const ehd_grid *b) {
            fabs(a->x_min - b->x_min) <= slack && fabs(a->step - b->step) <= slack;
 }
 
-/* Checks that the viscosity is within 1 % of the law's viscosity at its temperature. If the law has
- * no viscosity of its own, the scene must give one. */
+/* Checks that the viscosity is within 1 % of the law's viscosity at the temperature of the
+ * lubricant. If the law contains no viscosity, the scene must give one. */
 static ehd_status check_viscosity(double viscosity, const ehd_lubricant *lubricant,
                                   ehd_error *error) {
-    const double eta0 = lubricant->eta0; // NaN where the law has none
+    const double eta0 = lubricant->eta0; // NaN: the law contains no viscosity
     char where[48] = "";
 
     if (isnan(eta0) ? !isnan(viscosity) : fabs(viscosity - eta0) <= 0.01 * eta0) return EHD_OK;

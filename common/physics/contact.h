@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes the dimensionless contact: grid, geometry, elasticity, lubricant and operating point
+/* Defines the dimensionless contact: grid, geometry, elasticity, lubricant and operating point
  * (README.md, Equations and kinds of contact). In the comments of this folder "Maier et al." means
  * Maier, Hager, Hetzler, Seemann, Tribology International 2015.
  * Called by common/settings/scene_contact.c, which makes contacts, and by all solvers. */
@@ -13,13 +13,14 @@
 #include <stddef.h>
 
 /* Constants and functions that differ between line, point and elliptical contacts (README.md, kinds
- * of contact). A function that depends on the shape of the contact has it as first argument. */
+ * of contact). A function that depends on the shape of the contact has the shape as its first
+ * argument. */
 typedef struct contact_kind {
     const char *name; // "line"
     int dimensions;   // dimensions of the pressurised zone: 1 or 2
     double load;      // dimensionless: pi/2 (line), 2 pi/3 (point, ellipse)
-    // Deflection at the distance (x, y) from the centre of a cell with unit pressure. The cell has
-    // the length `step` along and shape->cell * step across.
+    // Deflection at the distance (x, y) from the centre of a cell with unit pressure. The cell is
+    // `step` long along the entrainment and shape->cell * step wide across.
     double (*kernel)(const contact_shape *shape, double x, double y, double step);
     // speed parameter lambda of the stationary contact from M, and M from lambda
     double (*lambda)(const contact_shape *shape, double moes_M);
@@ -30,15 +31,15 @@ typedef struct contact_kind {
     double (*central_film)(const contact_shape *shape, double moes_M, double moes_L);
     // gap of the dry contact on Y = 0, |x| >= 1
     double (*dry_gap)(const contact_shape *shape, double x);
-    // Change of the rigid approach per unit of int P over `load`. `half_width` is the current half
-    // width over the reference one. The approach is measured at a distance of `length` reference
+    // Change of the rigid approach per unit of (int P)/load. `half_width` is the current half width
+    // over the reference half width. The approach is measured at a distance of `length` reference
     // half widths.
     double (*approach_shift)(double half_width, double length);
-    // Moes number M; the load number is w/(E' R) of a line contact, w/(E' R^2) of a point contact,
-    // and the speed number is eta0 2 u_m/(E' R)
+    // Moes number M. The load number is w/(E' R) for a line contact and w/(E' R^2) for a point
+    // contact. The speed number is eta0 2 u_m/(E' R)
     double (*physical_M)(double load_number, double speed_number);
-    // Half width in m from load (N/m or N), radius (m) and modulus (Pa). For a given shape it is
-    // proportional to one power of load * radius / modulus.
+    // Half width in m from load (N/m or N), radius (m) and modulus (Pa). For a given shape the half
+    // width is proportional to a power of load * radius / modulus.
     double (*half_width)(const contact_shape *shape, double load, double radius, double modulus);
 } contact_kind;
 
@@ -57,13 +58,13 @@ typedef enum ehd_discretization {
 
 /* Returns the name of a discretisation in scenes and files. */
 const char *discretization_name(ehd_discretization discretization);
-/* Returns EHD_DATA for the discretisation with cross fluxes, which cannot be used in time;
- * otherwise EHD_OK. */
+/* Checks that a discretisation can be used in a transient run. Returns EHD_DATA for the
+ * discretisation with cross fluxes, otherwise EHD_OK. */
 ehd_status discretization_check_in_time(ehd_discretization discretization, ehd_error *error);
 /* Finds a discretisation by its name. Returns false if there is none. */
 bool discretization_find(ehd_discretization *discretization, const char *name);
 
-/* Condition around the grid of a point contact (README.md, far field). */
+/* Boundary condition around the grid of a point contact (README.md, far field). */
 typedef enum ehd_boundary {
     BOUNDARY_ZERO, // zero pressure, and no load beyond the grid
     BOUNDARY_OPEN  // pressure and load from the far field
@@ -74,10 +75,12 @@ const char *boundary_name(ehd_boundary boundary);
 /* Finds a boundary by its name. Returns false if there is none. */
 bool boundary_find(ehd_boundary *boundary, const char *name);
 
-/* How a film that varies in time is carried through the contact (common/time/README.md). */
+/* Method by which a transient solution carries its film through the contact
+ * (common/time/README.md). */
 typedef enum ehd_transport {
-    TRANSPORT_UPWIND, // by the entrainment term of the Reynolds equation, at fixed nodes
-    TRANSPORT_PATH    // along the path of the fluid
+    TRANSPORT_UPWIND, // the entrainment term of the Reynolds equation carries the film, at fixed
+                      // nodes
+    TRANSPORT_PATH    // the film is carried along the path of the fluid
 } ehd_transport;
 
 /* Returns the name of a transport in scenes. */
@@ -85,33 +88,35 @@ const char *transport_name(ehd_transport transport);
 /* Finds a transport by its name. Returns false if there is none. */
 bool transport_find(ehd_transport *transport, const char *name);
 
-/* How the films of a training are carried. */
+/* The method by which the transient solutions of a model's training carry their films through the
+ * contact. A reduced model uses the same method. */
 typedef struct ehd_carriage {
     ehd_transport transport;
-    double smoothing; // half widths, with transport along the path (transient.smoothing); NaN:
-                      // none, or not known
+    double smoothing; // filter length for TRANSPORT_PATH (transient.smoothing), half widths; NaN:
+                      // there is no filter, or its length is not known
 } ehd_carriage;
 
-/* Checks that two carriages agree. Otherwise returns EHD_DATA with a text that contains both. A NaN
- * smoothing agrees with any value. `found_in` is the file of the first one, or NULL. */
+/* Checks that `found` and `expected` agree. If they do not, returns EHD_DATA with a text that
+ * contains both. A NaN smoothing agrees with any value. `found_in` is the file of `found`, or
+ * NULL. */
 ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
                           const ehd_carriage *expected, const char *expected_in, ehd_error *error);
 
-/* Uniform grid with its discretisation and the condition around it. Cells are square; cells of an
- * ellipse are shape.cell times as wide as long in X and Y.
+/* Uniform grid, with its discretisation and boundary condition. Cells are square. In an elliptical
+ * contact the width of a cell in Y is shape.cell times its length in X.
  *
  * The unknowns are at `num_inner` inner nodes. Boundary nodes, where the pressure is zero or given,
- * lie one step outside. All nodes are numbered together, along x first.
+ * lie one step outside. Inner and boundary nodes are numbered together, along x first.
  *
  * A line contact has one line of nodes. Node k is at x_min + (k-1) step, the inner nodes are 1 …
  * num_inner, and num_nodes = num_inner + 2.
  *
  * The lines of a point contact run from y = -y_max to y_max. A half grid uses the symmetry and
- * begins at y = 0. Beyond the first and the last line is a line of boundary nodes, but not at the
- * mirror line y = 0. */
+ * begins at the mirror line y = 0. A line of boundary nodes lies beyond the first and the last
+ * line, but not beyond the mirror line. */
 typedef struct ehd_grid {
     double x_min;       // first inner node, half widths
-    double step;        // along, half widths; across: grid_step_across
+    double step;        // along x, half widths; for the step across see grid_step_across
     size_t inner_x;     // number of inner nodes in a line
     size_t inner_lines; // number of lines of inner nodes; 1 in a line contact
     bool half;          // the first line is the mirror line y = 0
@@ -128,35 +133,36 @@ typedef struct grid_extent {
     double y_max; // NaN for a line contact
 } grid_extent;
 
-/* Returns a grid with its numbers of nodes, for a round contact with BOUNDARY_ZERO. */
+/* Returns the grid of a line contact or a circular contact, with BOUNDARY_ZERO. Computes the
+ * numbers of nodes. */
 ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, bool half,
                  ehd_discretization discretization);
-/* Returns another grid with the discretisation, boundary and shape of `grid`. It is a half grid if
- * `grid` is one. */
+/* Returns another grid with the discretisation, boundary and shape of `grid`. The result is a half
+ * grid if `grid` is a half grid. */
 ehd_grid grid_like(const ehd_grid *grid, double x_min, double step, size_t inner_x,
                    size_t inner_lines);
 
-/* Returns the distance between lines, in half widths across. */
+/* Returns the distance between neighbouring lines, in half widths across (b). */
 double grid_step_across(const ehd_grid *grid);
 
 double grid_x(const ehd_grid *grid, size_t node);
 double grid_y(const ehd_grid *grid, size_t node); // 0 in a line contact
 double grid_gap(const ehd_grid *grid, size_t node);
 
-/* Returns the undeformed gap, (X^2 + Y^2)/2 for a round contact. */
+/* Returns the undeformed gap, which is (X^2 + Y^2)/2 for a circular contact. */
 double contact_gap(const contact_shape *shape, double x, double y);
 
 /* Return X^2 + Y^2 of a node, and whether the node lies within the dry contact (X^2 + Y^2 <=
  * 1). */
 double grid_square_distance(const ehd_grid *grid, size_t node);
 bool grid_is_dry(const ehd_grid *grid, size_t node);
-/* Returns the fraction of a node's cell that lies within the dry contact. The edge is taken as
- * straight and perpendicular to the radius. Sums weighted by these fractions integrate over the dry
- * contact with second order in the step. */
+/* Returns the fraction of a node's cell that lies within the dry contact. The edge of the dry
+ * contact is taken as straight and perpendicular to the radius. A sum over the nodes, weighted by
+ * these fractions, is an integral over the dry contact, accurate to second order in the step. */
 double grid_dry_share(const ehd_grid *grid, size_t node);
 
-/* Return the number of nodes on a line, of lines, and of boundary lines before the first inner
- * line. */
+/* Return the number of nodes on a line, the number of lines, and the number of boundary lines
+ * before the first inner line. */
 size_t grid_width(const ehd_grid *grid);
 size_t grid_lines(const ehd_grid *grid);
 size_t grid_first_line(const ehd_grid *grid);
@@ -177,8 +183,8 @@ ehd_grid grid_whole(const ehd_grid *grid);
 /* Returns the row of `grid` that equals, by symmetry, a row of the full grid. */
 size_t grid_row_of_whole(const ehd_grid *grid, size_t row);
 
-/* Finds the exit on each line: the column (boundary nodes included) after the last positive
- * pressure, or 1 if there is none. */
+/* Finds the exit on each line: the column after the last positive pressure, or 1 if no pressure is
+ * positive. Column 0 is the first boundary node of the line. */
 void grid_exit_columns(
     // output:
     size_t *columns, // [grid_lines]
@@ -186,8 +192,9 @@ void grid_exit_columns(
     const double *pressure, // [num_nodes]
     const ehd_grid *grid);
 
-/* Converts columns of grid_exit_columns to X of the exits on the inner lines of the full grid.
- * NaN: the line has no pressure. The lines of a half grid are the last ones of the full grid. */
+/* Converts the columns of grid_exit_columns to the positions X of the exits, on all inner lines of
+ * the full grid. NaN: the line has no pressure. The lines of a half grid are the last lines of the
+ * full grid. */
 void grid_exits(
     // output:
     double *positions, // [inner lines of grid_whole]
@@ -198,12 +205,12 @@ void grid_exits(
 /* Largest number of exits that a transient result holds for each line of nodes. */
 enum { GRID_EXITS = 8 };
 
-/* Returns the quadrature weight of a node in cells: 2 on a half grid off the mirror line, else
- * 1. */
+/* Returns the quadrature weight of a node, in units of one cell. On a half grid the weight is 2
+ * except on the mirror line; otherwise it is 1. */
 double grid_weight(const ehd_grid *grid, size_t node);
 /* Returns the length (line contact) or area (point contact) of a cell. */
 double grid_cell(const ehd_grid *grid);
-/* Returns the factor of a node's pressure in the load. */
+/* Returns the factor by which the load multiplies the pressure at a node. */
 double grid_load_weight(const ehd_grid *grid, size_t node);
 
 /* Checks whether two grids have the same nodes, to 1e-9 of a step, and the same discretisation,
@@ -217,13 +224,14 @@ typedef struct contact_closure {
     double by_approach, by_load, value;
 } contact_closure;
 
-/* Pressure and load of an endless inlet in front of the grid of a line contact. */
+/* Pressure and load of an endless inlet upstream of the grid of a line contact. */
 typedef struct inlet_tail {
     double pressure; // P at the boundary node
     double load;     // int P upstream of the cell of the first inner node
 } inlet_tail;
 
-/* One contact in its dimensionless frame. */
+/* One contact, scaled by its own half width, Hertz pressure and time (README.md, Unknowns and
+ * scales). */
 typedef struct ehd_contact {
     const contact_kind *kind;
     ehd_grid grid;
@@ -231,14 +239,17 @@ typedef struct ehd_contact {
     ehd_lubricant lubricant;
     double lambda;      // dimensionless, in the Reynolds equation, eq. 7 of Maier et al. 2015
     double entrainment; // dimensionless, U in eq. 7; 1: stationary, 0: transport along the path
-    double far_speed;   // dimensionless, U of the far field, not 0 with transport along the path
-    inlet_tail tail;    // inlet in front of the grid of a line contact; zero: none
+    double far_speed;   // dimensionless, U of the far field. It stays the current U with transport
+                        // along the path, where `entrainment` is 0
+    inlet_tail tail;    // inlet upstream of the grid of a line contact; zero: no such inlet
     contact_closure closure;
     ehd_transport transport; // transport of films in time
-    double smoothing;        // half widths, for transport along the path; NaN: default
-    double time_tolerance;   // tolerance of the steps in time, for the default smoothing; NaN: not
-                             // known
-    // reference half widths at which the approach is measured; 1: as in eq. 4 of Maier et al.
+    double smoothing;        // filter length, half widths, for transport along the path; NaN:
+                             // default
+    double time_tolerance;   // error tolerance of the time steps, for the default smoothing; NaN:
+                             // unknown
+    // distance at which the approach is measured, in reference half widths; 1: as in eq. 4 of Maier
+    // et al.
     double approach_length;
     double hertz_pressure; // Pa
     double moes_M, moes_L; // dimensionless
@@ -255,7 +266,7 @@ typedef struct ehd_contact {
     const struct ehd_surface *surface;
 } ehd_contact;
 
-/* The scalars of a solution, in the contact's own frame. */
+/* Scalar results of a solution, in the scales of the contact. */
 typedef struct contact_scalars {
     double central_film_thickness; // H at X = Y = 0, interpolated (cubic) if no node lies there
     double minimum_film_thickness; // interpolated; at a node in the published discretisation
@@ -266,12 +277,12 @@ typedef struct contact_scalars {
     double load;           // int P over kind->load
 } contact_scalars;
 
-/* Input of contact_init. NaN: not given. */
+/* Input of contact_init. NaN: the caller does not give this value. */
 typedef struct contact_settings {
     const contact_kind *kind;
     lubricant_settings lubricant;
-    // dimensionless; NaN: computed from load, radius, speed, modulus and viscosity, which are used
-    // for nothing else
+    // dimensionless; NaN: computed from load, radius, speed, modulus and viscosity, which have no
+    // other use
     double moes_M, moes_L;
     double load;           // N/m for a line contact, N for a point contact
     double radius;         // m; for an ellipse the radius along the entrainment
@@ -279,10 +290,11 @@ typedef struct contact_settings {
     double ellipticity;    // b/a of an ellipse; not used with radius_across
     double speed;          // m/s, mean of the two surfaces
     double modulus;        // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
-    double viscosity;      // Pa s at zero pressure; NaN: the law's own
+    double viscosity;      // Pa s at zero pressure; NaN: the viscosity of the law
     double hertz_pressure; // Pa; NaN: follows from M, L and the lubricant
     bool approach_given;   // the scene gives the approach in place of the load
-    // reference half widths; NaN: far_approach_length if the approach is given, else 1
+    // distance at which the approach is measured, in reference half widths; NaN:
+    // far_approach_length if the approach is given, otherwise 1
     double approach_length;
 } contact_settings;
 
@@ -291,10 +303,10 @@ typedef struct contact_settings {
 #define MAX_MOES_M 1e5
 #define MAX_MOES_L 100
 
-/* Largest relative error of the films with which a result is trusted unless the user gives another
- * accuracy (romrun/calibrate/README.md, Calibration and the accuracy dial). It is also the largest
- * error of a thinned flow, and the largest part of the reference load that may be neglected or
- * missing (test_time_grid.c, ends_suit_the_smallest_M). */
+/* Largest relative error of the films in a trusted result, unless the user gives another accuracy
+ * (romrun/calibrate/README.md, Calibration and the accuracy dial). The constant is also the largest
+ * relative error of a thinned flow, and the largest part of the reference load that may be
+ * neglected or missing (test_time_grid.c, ends_suit_the_smallest_M). */
 extern const double default_accuracy;
 
 /* Default distance at which a given approach is measured, in half widths. The distance must be at
@@ -302,11 +314,12 @@ extern const double default_accuracy;
  * measured from far enough"). */
 extern const double far_approach_length;
 
-/* Makes a contact without grid. Returns EHD_OK, or EHD_DATA: lubricant constants, Hertz pressure
- * beyond the viscosity law's limit, viscosity that contradicts the law, ellipticity out of range,
- * SI units whose M or L is outside of the bounds above or whose half width exceeds the radius,
- * thermal conductivity without the data for the inlet heating. Other errors are those of
- * lubricant_init. */
+/* Makes a contact without a grid. Returns EHD_OK, the error of lubricant_init, or EHD_DATA if
+ * - the Hertz pressure exceeds the limit of the viscosity law,
+ * - the given viscosity contradicts the law,
+ * - the ellipticity is out of range,
+ * - SI units give an M or L outside of the bounds above, or a half width above the radius,
+ * - a thermal conductivity is given without the other data for the inlet heating. */
 ehd_status contact_init(
     // output:
     ehd_contact *contact,
@@ -316,25 +329,26 @@ ehd_status contact_init(
 /* Returns the L that belongs to M and the Hertz pressure, also if the scene gives that pressure. */
 double contact_moes_L(const ehd_contact *contact);
 
-/* Changes M and L of a contact that keeps its lubricant and grid, for continuation. Lambda and
- * the Hertz pressure follow from them (README.md, Moes numbers). */
+/* Sets M and L of a contact, as continuation does step by step. Lambda and the Hertz pressure
+ * follow from M and L (README.md, Moes numbers). The lubricant and the grid stay the same. */
 void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L);
 
-/* Checks whether the scene leaves an end or the step of the grid open. */
+/* Checks whether the scene leaves out an end or the step of the grid, so that the program chooses
+ * the value. */
 bool contact_has_chosen_grid(const ehd_contact *contact);
 
 /* Replaces the grid, for example by the grid of a model, if the scene leaves the grid open and does
  * not contradict the new grid. Both grids must have the same kind, discretisation, boundary and
- * shape, and both be half or both be full. Otherwise the grid stays. */
+ * shape. Both must be half grids, or both full grids. Otherwise the contact keeps its grid. */
 void contact_take_grid(ehd_contact *contact, const ehd_grid *grid);
 
 /* Checks the distance at which a given approach is measured. The deflection of a line contact grows
- * without bound with that distance. Below a quarter of the pressurised length the compliance of the
- * contact is not positive, and a film squeezed by a given approach would grow without bound.
- * Returns EHD_DATA below half the grid's length. */
+ * without bound with that distance. If the distance is below a quarter of the pressurised length,
+ * the compliance of the contact is not positive. A film squeezed by a given approach would then
+ * grow without bound. Returns EHD_DATA if the distance is below half the length of the grid. */
 ehd_status contact_check_approach(const ehd_contact *contact, ehd_error *error);
 
-/* Returns the closure by a given load: the load balance, eq. 9 of Maier et al. */
+/* Returns the closure for a given load: the load balance, eq. 9 of Maier et al. */
 contact_closure contact_load_closure(const contact_kind *kind);
 
 /* Returns the half width across the entrainment in m, b of an ellipse. NaN unless the scene is

@@ -18,16 +18,18 @@ contact_place contact_place_of_any(const ehd_contact *contact) {
 }
 
 double thinning_coordinate(double sliding) {
-    // smallest thinning by sliding that is distinguished from none. With 1e-6 films change by at
-    // most 6e-5 (contact_place.h; test_contact_place.c, thinning_that_no_film_shows_is_none)
+    // smallest thinning by sliding that is distinguished from no thinning. A thinning of 1e-6
+    // changes films by at most 6e-5 (contact_place.h; test_contact_place.c,
+    // thinning_that_no_film_shows_is_none)
     const double least = 1e-6;
 
     return sliding > least ? log(sliding) : log(least);
 }
 
 double gradient_coordinate(double gradient) {
-    // smallest thinning by the gradient that is distinguished from none. With 1e-2 films change by
-    // at most 1.1e-5 (contact_place.h; test_contact_place.c, thinning_that_no_film_shows_is_none)
+    // smallest thinning by the gradient that is distinguished from no thinning. A thinning of 1e-2
+    // changes films by at most 1.1e-5 (contact_place.h; test_contact_place.c,
+    // thinning_that_no_film_shows_is_none)
     const double least = 1e-2;
 
     return gradient > least ? log(gradient) : log(least);

@@ -6,29 +6,33 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Number of columns that are transformed together: as many numbers as fit in a cache line. */
+/* Number of columns that are transformed together. A cache line holds this many numbers. */
 enum { COLUMNS = 8 };
-/* Padding after a column or a line, in numbers. Without it, columns whose length is a power of two
- * would share places in the cache. */
+/* Padding after a column or a line, in numbers. Without the padding, columns whose length is a
+ * power of two would share places in the cache. */
 enum { APART = 8 };
 /* Number of lines that are transformed together. */
 enum { LINES = 2 };
 
 /* Kernel and pressure are real, and the kernel is even in x and y, so the Fourier transform of the
- * kernel is also real. All transforms are FFTW's real-to-complex ones. They take a third of the
- * time of FFTW's real-to-real transforms. A half grid is even in y, so it is transformed in y
- * first: the transform of a mirrored column is real, and the same transform inverts it. The columns
- * and lines of a half grid are transformed one by one, in a work space that stays in the cache. */
+ * kernel is also real. All transforms are FFTW's real-to-complex transforms, which take a third of
+ * the time of FFTW's real-to-real transforms. On a half grid the pressure is even in y, and is
+ * transformed in y first. The transform of a mirrored column is real, so the same transform is also
+ * its inverse. The columns and lines of a half grid are transformed one by one, in a work space
+ * that stays in the cache. */
 struct ehd_deflection {
     ehd_grid grid;
     size_t length, period;  // lengths of the transforms along and across
-    size_t lines;           // number of different lines of the transform across; half grid: half of
-                            // the period
+    size_t lines;           // number of different lines of the transform across; on a half grid
+                            // period / 2 + 1
     double *kernel;         // [grid lines, grid width]
     double *transfer;       // [lines, length / 2 + 1], transform of the kernel
-    double *signal;         // [lines, length]; half grid: [lines, grid width]
-    fftw_complex *spectrum; // [lines, length / 2 + 1], spectrum of the signal; half grid: NULL
-    fftw_plan forward, backward; // half grid: one line
+    double *signal;         // Full grid: [lines, length] the pressure, padded with zeros, then the
+                            // deflection. Half grid: [lines, grid width] the pressure transformed
+                            // in y, then the transformed deflection
+    fftw_complex *spectrum; // [lines, length / 2 + 1], Fourier transform of `signal`; NULL on a
+                            // half grid
+    fftw_plan forward, backward; // on a half grid these are the transforms of one line
     // for a half grid only:
     fftw_plan across;   // transform of one column
     team *threads;      // threads that share the transforms; NULL: one thread
@@ -53,8 +57,8 @@ static size_t smooth_length(size_t min_length) {
     }
 }
 
-/* Returns the period of the circular convolution across, at least twice the lines of the full grid.
- * The circular convolution then equals the linear one. */
+/* Returns the period of the circular convolution across. The period is at least twice the number of
+ * lines of the full grid, so that the circular convolution equals the linear convolution. */
 static size_t period_across(const ehd_grid *grid) {
     size_t lines = grid_lines(grid);
 
@@ -65,8 +69,9 @@ static size_t spectrum_width(const ehd_deflection *self) {
     return self->length / 2 + 1;
 }
 
-/* Returns how many numbers a mirrored column has with its padding. A work space holds COLUMNS such
- * columns and the transform of one column, or a line and its transform. */
+/* Returns how many numbers a mirrored column has with its padding. A work space (work_size) holds
+ * COLUMNS such columns and the transform of one column. The same memory also serves for one line
+ * and its transform. */
 static size_t column_size(const ehd_deflection *self) {
     return self->period + APART;
 }
@@ -86,7 +91,7 @@ static void make_plans(ehd_deflection *self) {
     const int sizes[2] = {(int)self->period, (int)self->length};
     double *work = self->work_space;
 
-    // estimated plans: measured plans would differ from run to run, and so would round-off
+    // FFTW_ESTIMATE, because measured plans would differ from run to run, and round-off with them
     pthread_mutex_lock(&planner_lock);
     if (work) { // half grid: plans of one line and one column
         fftw_complex *line = (fftw_complex *)(work + self->length + APART);

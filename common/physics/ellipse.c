@@ -39,8 +39,9 @@ double ellipse_radius_ratio(double ellipticity) {
 }
 
 /* Inverts ellipse_radius_ratio by a fixed-point iteration in logarithms. The derivative d
- * ln(R_y/R_x)/d ln(b/a) is 1.5 at 1, and below 2. Each step goes 0.6 of the difference. The error
- * then falls by at least a factor of 5 in each step. */
+ * ln(R_y/R_x)/d ln(b/a) is 1.5 at b/a = 1, and below 2 everywhere. Each step adds 0.6 times the
+ * remaining difference of ln(R_y/R_x). The error then falls by at least a factor of 5 in each
+ * step. */
 double ellipse_ellipticity(double radius_ratio) {
     const double goal = log(radius_ratio);
     double logarithm = 0.6 * goal;
@@ -51,7 +52,7 @@ double ellipse_ellipticity(double radius_ratio) {
 }
 
 /* Adds the deflection outside of the ellipse to x^2/2 and subtracts the deflection at the centre.
- * The integral of the deflection outside begins at x^2 - 1. */
+ * The integral for the deflection outside of the ellipse begins at x^2 - 1. */
 double ellipse_dry_gap(const contact_shape *shape, double x) {
     const double k2 = shape->ellipticity * shape->ellipticity, x2 = x * x, t = fmax(x2 - 1, 0);
     const double along = M_PI_2 * shape->compliance;

@@ -31,14 +31,16 @@ static cubic cubic_at(double t) {
                              -(3 * t * t - 2 * t - 2) / 2, (3 * t * t - 1) / 6}};
 }
 
-/* A quantity and its derivatives. `row` has the quantity as residual, with its derivatives by
- * pressure and film. `by_offset` is its derivative by the offset. */
+/* A number, such as the film at the exit, with its derivatives. The number is stored in
+ * row.residual, and its derivatives by the pressures and films of a stencil in the other members of
+ * `row`. `by_offset` is its derivative by the distance between the exit and the node before it, in
+ * steps. */
 typedef struct quantity {
     reynolds_row row;
     double by_offset;
 } quantity;
 
-/* Returns the film `share` * offset steps behind HERE. */
+/* Returns the film at a distance of `share` * `offset` steps behind the node NODE_HERE. */
 static quantity film_behind(double offset, double share, const reynolds_stencil *stencil,
                             const double *film) {
     const cubic interpolation = cubic_at(share * offset);
@@ -53,8 +55,8 @@ static quantity film_behind(double offset, double share, const reynolds_stencil 
     return result;
 }
 
-/* Returns rho H half way between node and exit, from the four nodes that Reynolds rows use at half
- * nodes. */
+/* Returns rho H half way between the node NODE_HERE and the exit. Interpolates between the four
+ * nodes from which a Reynolds row computes rho H at the half node ahead. */
 static quantity mass_half_way(double offset, const reynolds_stencil *stencil,
                               const reynolds_fluid *fluid, const double *film) {
     const cubic interpolation = cubic_at(1 + offset / 2);
@@ -104,7 +106,7 @@ void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, dou
     const double density = fluid->density ? fluid->density[ahead] : 1; // without pressure
     const reynolds_link drop = reynolds_link_ahead(stencil, fluid, pressure, film);
 
-    // q at the exit, at the node, and half way
+    // q = rho H at the exit, at the node before the exit, and half way between both
     quantity at_exit = film_behind(offset, 1, stencil, film);
     const quantity film_between = film_behind(offset, 0.5, stencil, film);
     const quantity between = mass_half_way(offset, stencil, fluid, film);
@@ -174,10 +176,11 @@ static flow carried_at(double offset, double entrainment, const reynolds_stencil
                   entrainment * density * at_exit.by_offset};
 }
 
-/* Returns the rate of change of the fluid between the half node before HERE and the offset t,
- * divided by the grid step. For whole cells it is the midpoint rule. Beyond them d(rho H)/dT is
- * linear: through BACK and HERE if the exit is at HERE, through HERE and AHEAD if it is at AHEAD.
- * Nothing jumps when the exit passes a node. */
+/* Returns the rate at which the film stores fluid between the half node before HERE and the offset
+ * t, divided by the grid step. A whole cell is integrated by the midpoint rule. Beyond whole cells
+ * d(rho H)/dT is linear. For an exit at HERE the straight line passes through the values at BACK
+ * and HERE, for an exit at AHEAD through the values at HERE and AHEAD. The result is therefore
+ * continuous when the exit passes a node. */
 static flow taken_up_to(double t, const reynolds_squeeze *squeeze, const reynolds_stencil *stencil,
                         const reynolds_fluid *fluid, const double *film) {
     double rate[3]; // d(rho H)/dT at BACK, HERE and AHEAD

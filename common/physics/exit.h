@@ -13,19 +13,19 @@
  * the balance of its cell. The multiplier is negative if the node should have pressure. */
 double exit_multiplier(const reynolds_row *row);
 
-/* Returns by how much a node with pressure violates P >= 0, and a node without pressure Lambda >=
- * 0. The result is negative if the condition holds. */
+/* Returns by how much a node violates its condition: P >= 0 for a node with pressure, Lambda >= 0
+ * for a node without pressure. The result is negative if the condition holds. */
 double exit_violation(bool has_pressure, double pressure, double multiplier);
 
 /* The exit within the cell of a node, in the accurate discretisation of a stationary line contact
- * (README.md, The exit within a node). The exit cuts the last cell with pressure at x = x_k +
- * offset h, behind its node k. Two equations hold there. First, an unpressurised film at the exit
- * carries the flux through the half node before k. This equation places the exit. Second, the
- * pressure falls from its value at k to zero at the exit. The first equation is eliminated, so the
- * second one replaces the Reynolds row of node k. */
+ * (README.md, The exit within a node). The exit lies behind node k, the last node with pressure, at
+ * x = x_k + offset h. Two equations hold there. First, the film at the exit has no pressure and
+ * carries the flux through the half node before k. This equation gives the offset. Second, the
+ * pressure falls from its value at k to zero at the exit. The first equation is eliminated, and the
+ * second equation replaces the Reynolds row of node k. */
 typedef struct exit_cell {
     reynolds_row row;    // second equation, scaled as a Reynolds row
-    reynolds_row offset; // first equation: residual is the necessary change of the offset
+    reynolds_row offset; // first equation; its residual is the necessary change of the offset
     double row_by_flux, offset_by_flux; // derivatives of both residuals by the flux
     double curvature;     // pressure before the exit over the squared distance to the exit in steps
     double flux_residual; // residual of the first equation, scaled as a Reynolds row
@@ -42,16 +42,16 @@ void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, dou
                   double flux, const reynolds_stencil *stencil, const reynolds_fluid *fluid,
                   const double *pressure, const double *film);
 
-/* Adds the contribution of the derivatives of the flux through the half node before HERE. `flux` is
- * reynolds_flux of the stencil of the cell. */
+/* Adds the derivatives of the flux through the half node before HERE to the derivatives of both
+ * equations. `flux` is the result of reynolds_flux for the stencil of the cell. */
 void exit_cell_add_flux(exit_cell *cell, const reynolds_row *flux);
 
-/* Returns how many steps ahead of HERE the exit lies. The solution has its exits at nodes, and HERE
- * of the stencil is the last node with pressure. At the exit an unpressurised film carries the flux
- * through the half node before HERE, minus the storage of the cell in time. The result is 0 to 1.
- * Only because of the error of exits at nodes, it may exceed this range by at most a half. NaN if
- * the film does not rise at the exit. With a reversed stencil, entrainment and flux are positive
- * towards smaller x. */
+/* Returns how many steps ahead of HERE the exit lies, for a solution whose exits are nodes. HERE of
+ * the stencil is the last node with pressure. At the exit the film has no pressure. It carries the
+ * flux through the half node before HERE, minus the rate at which the cell stores fluid. The result
+ * lies between 0 and 1, apart from the error of an exit at a node: this error may move the result
+ * out of the range by at most a half. The result is NaN if the film does not rise at the exit. With
+ * a reversed stencil, entrainment and flux are positive towards smaller x. */
 double exit_place(
     const ehd_grid *grid, double entrainment,
     double flux,                     // through the half node before HERE

@@ -2,9 +2,9 @@
 /* Computes the flow of a Ree-Eyring fluid between sliding surfaces (README.md, Thinned flow).
  * Called by reynolds.c for the mobility, and by traction.c for the shear stress.
  *
- * Two numbers determine it. The rate N = eta |u1 - u2|/(tau0 h) is the Newtonian stress of the
- * sliding over Eyring's stress. The gradient Sigma = h |dp/dx|/(2 tau0) is the change of the stress
- * from the middle of the film to a surface, over Eyring's stress. */
+ * Two numbers determine the flow. The rate N = eta |u1 - u2|/(tau0 h) is the Newtonian stress due
+ * to sliding, divided by Eyring's stress. The gradient Sigma = h |dp/dx|/(2 tau0) is the change of
+ * the stress from the middle of the film to a surface, divided by Eyring's stress. */
 #ifndef EHD_EYRING_FLOW_H
 #define EHD_EYRING_FLOW_H
 
@@ -15,16 +15,17 @@
 typedef struct eyring_gradient {
     double square;  // Sigma^2
     double at_rest; // A = 3 (Sigma cosh Sigma - sinh Sigma)/Sigma^3, the factor without sliding
-    double sliding; // C = 3 (Sigma coth Sigma - 1)/Sigma^2, the factor of fast sliding over N
+    double sliding; // C = 3 (Sigma coth Sigma - 1)/Sigma^2, the factor of fast sliding divided by N
 } eyring_gradient;
 
-/* The factor on the mobility of the pressure flow, and its logarithmic derivatives. */
+/* The factor on the mobility of the pressure flow, and the derivatives of its logarithm by ln N and
+ * ln Sigma. */
 typedef struct eyring_factor {
     double value, by_log_rate, by_log_gradient;
 } eyring_factor;
 
-/* Source: the range of a double, in which exp(Sigma) overflows from Sigma = 709 on. The constant
- * is the largest Sigma for which the factor is evaluated. The factor is constant above it. Only
+/* Source: the range of a double, in which exp(Sigma) overflows from Sigma = 709 on. The constant is
+ * the largest Sigma for which the factor is evaluated. Above it the factor is constant. Only
  * iterates far from a solution have such gradients. */
 #define EYRING_LARGEST_GRADIENT 600.
 
@@ -79,7 +80,7 @@ static inline eyring_factor eyring_along(const eyring_gradient *of, double rate)
 
 /* Returns the factor of a flow across the sliding, without a gradient along the sliding: A r/asinh
  * r with r = N sqrt(Sigma/sinh Sigma). The factor is exact without sliding, and without a gradient.
- * At rates up to 1e4 it is off by at most 1.3 % where Sigma = 1, and by 6.8 % where Sigma = 2
+ * At rates up to 1e4 its error is at most 1.3 % for Sigma = 1, and 6.8 % for Sigma = 2
  * (tests/unit/test_eyring_flow.c). */
 static inline eyring_factor eyring_across(const eyring_gradient *of, double rate) {
     const double slid = rate * sqrt(of->sliding / of->at_rest);
@@ -90,7 +91,7 @@ static inline eyring_factor eyring_across(const eyring_gradient *of, double rate
         factor = 1 + slid * slid / 6;
         by_rate = slid * slid / 3;
     } else {
-        // asinh(slid) to round-off, with the square root above
+        // asinh(slid), accurate to round-off, from `root`
         const double stress =
             slid < 0.5 ? log1p(slid + slid * slid / (1 + root)) : log(slid + root);
         factor = slid / stress;
@@ -101,16 +102,16 @@ static inline eyring_factor eyring_across(const eyring_gradient *of, double rate
 }
 
 /* Coefficients of the error bounds of the factors, for gradients Sigma_x along the sliding and
- * Sigma_y across it. Both gradients are at most 3, and the rate of sliding is arbitrary. The error
+ * Sigma_y across it. The bounds hold for gradients up to 3 and for any rate of sliding. The error
  * of the factor along is below DOUBT_ALONG Sigma_y^2. The error of the factor across is below
- * DOUBT_ACROSS Sigma_x^2 + DOUBT_ACROSS_OWN Sigma_y^2. Errors by quadrature stay below both bounds
- * (test_eyring_flow.c, doubt_is_a_bound). */
+ * DOUBT_ACROSS Sigma_x^2 + DOUBT_ACROSS_OWN Sigma_y^2. Errors found by numerical quadrature stay
+ * below both bounds (test_eyring_flow.c, doubt_is_a_bound). */
 #define EYRING_DOUBT_ALONG      0.1
 #define EYRING_DOUBT_ACROSS     0.25
 #define EYRING_DOUBT_ACROSS_OWN 0.025
 
-/* Returns the shear stress of the sliding in the middle of the film over Eyring's stress. The
- * result is not negative. */
+/* Returns the shear stress due to sliding in the middle of the film, divided by Eyring's stress.
+ * The result is not negative. */
 static inline double eyring_stress(const eyring_gradient *of, double rate) {
     return asinh(rate * (of->sliding / of->at_rest));
 }

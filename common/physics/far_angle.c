@@ -6,14 +6,14 @@
 #include <math.h>
 #include <string.h>
 
-/* Largest angle chi of the collocation, radians. For all ratios the exit lies at chi = 1.71 to
- * 1.89 (98 to 108 degrees). With 3 the polynomials are not accurate enough (test_far_angle.c,
- * keeps_the_flow). */
+/* Largest angle chi of the collocation, radians. For all ratios the exit lies at chi = 1.71 to 1.89
+ * (98 to 108 degrees). If the largest angle is 3, the polynomials are not accurate enough
+ * (test_far_angle.c, keeps_the_flow). */
 static const double LAST = 1.95;
 
-/* Returns the part of S that has a closed form but no exit, 4 cos(phi)/((3 + 2 ratio) q^2). This
- * part is x/H^2 up to a factor. x/H^2 solves the Reynolds equation for any constant that is added
- * to the gap. */
+/* Returns the part of the solution S that has a closed form, 4 cos(phi)/((3 + 2 ratio) q^2). This
+ * part alone has no exit. Up to a factor the part is x/H^2, which solves the Reynolds equation also
+ * if a constant is added to the gap H. */
 static double driven(const far_angle *self, double phi) {
     const double rise = far_angle_rise(self, phi);
 
@@ -26,8 +26,9 @@ double far_angle_rise(const far_angle *self, double phi) {
     return 1 + (self->ratio - 1) * (across * across);
 }
 
-/* With g = sqrt(ratio), E = cos^2 chi + g sin^2 chi and D = g cos^2 chi + sin^2 chi: q = g E/D, and
- * dchi/dphi = D/sqrt(g). */
+/* Two functions of the stretched angle chi (far_angle_stretched), with g = sqrt(ratio): E = cos^2
+ * chi + g sin^2 chi and D = g cos^2 chi + sin^2 chi. The factor q of the gap q r^2/2
+ * (far_angle_rise) is g E/D, and dchi/dphi is D/sqrt(g). */
 typedef struct far_rises {
     double E, D, slope; // dE/dchi = -dD/dchi
 } far_rises;
@@ -49,10 +50,10 @@ double far_angle_direction(const far_angle *self, double chi, double *slope) {
     return self->ratio == 1 ? chi : atan2(sin(chi), sqrt(g) * cos(chi));
 }
 
-/* Returns the sum of terms times cos(n theta), n = 0, 2, 4 ..., which are the Chebyshev polynomials
- * at place = cos(theta). */
+/* Returns the sum over j of term[j] cos(n theta), n = 2 j. cos(n theta) is the Chebyshev polynomial
+ * of degree n at place = cos(theta). */
 static double even_series(const double *term, double place) {
-    const double twice = 2 * (2 * place * place - 1); // Clenshaw, in cos(2 theta)
+    const double twice = 2 * (2 * place * place - 1); // Clenshaw's recurrence in cos(2 theta)
     double ahead = 0, here = 0;
 
     for (int j = FAR_TERMS - 1; j > 0; j--) {
@@ -63,7 +64,8 @@ static double even_series(const double *term, double place) {
     return term[0] + twice / 2 * here - ahead;
 }
 
-/* Coefficients of the equation with zero as right side, in chi: h'' + c1 h' - c0 h = 0. */
+/* Coefficients of the homogeneous equation h'' + c1 h' - c0 h = 0. h is a function of chi, and is
+ * added to `driven` with a factor b so that S has an exit. */
 typedef struct far_coefficients {
     double c0, c1;
 } far_coefficients;
@@ -74,19 +76,21 @@ static far_coefficients coefficients_at(double ratio, double chi) {
     return (far_coefficients){9 * sqrt(ratio) / (at.D * at.D), (3 / at.E + 2 / at.D) * at.slope};
 }
 
-/* Returns the logarithmic derivative of `driven` by chi; `driven` is proportional to cos(chi)
- * D^(3/2)/E^2. */
+/* Returns the derivative, by chi, of the logarithm of the function `driven`, which is proportional
+ * to cos(chi) D^(3/2)/E^2. */
 static double driven_slope(double ratio, double chi) {
     const far_rises at = rises_at(ratio, chi);
 
     return -tan(chi) - (1.5 / at.D + 2 / at.E) * at.slope;
 }
 
-/* Computes the terms of the even solution h with h(LAST) = 1. The differential equation holds at
- * the zeros, in 0 ... 1, of the Chebyshev polynomial of the highest order. */
+/* Computes the terms of the even solution h of the homogeneous equation, with h(LAST) = 1. The
+ * equation holds at the collocation points: chi/LAST is a zero, between 0 and 1, of the Chebyshev
+ * polynomial of the highest order. */
 static void solve_growth(double term[FAR_TERMS], double ratio) {
     double matrix[(FAR_TERMS + 1) * FAR_TERMS] = {0},
-                                    work[FAR_TERMS]; // by columns, the last the right side
+                                    work[FAR_TERMS]; // matrix: by columns, the last column is the
+                                                     // right side
 
     for (int i = 0; i < FAR_TERMS - 1; i++) {
         const double theta = M_PI_2 * (i + 0.5) / (FAR_TERMS - 1), t = cos(theta), s = sin(theta);
@@ -104,12 +108,12 @@ static void solve_growth(double term[FAR_TERMS], double ratio) {
     qr_solve(term, matrix, work, FAR_TERMS, FAR_TERMS);
 }
 
-/* Returns chi of the exit, where driven + b h touches zero. There -driven/h is b and has its
- * maximum. The exit lies between pi/2, where -driven/h is 0, and LAST. The logarithmic derivative
- * of h is a difference quotient. */
+/* Returns chi of the exit, where driven + b h touches zero. At the exit -driven/h has its maximum,
+ * which is b. The exit lies between pi/2, where -driven/h is 0, and LAST. `growth`, the derivative
+ * of ln h, is a difference quotient. */
 static double find_exit(const double *term, double ratio) {
-    // Distance in chi of the difference quotient, radians. With 1e-2 the solution does not keep
-    // the flow (test_far_angle.c, keeps_the_flow).
+    // Distance in chi of the difference quotient, radians. If the distance is 1e-2, the solution
+    // does not keep the flow (test_far_angle.c, keeps_the_flow).
     const double d = 1e-4;
     double low = M_PI_2, high = LAST - d;
 

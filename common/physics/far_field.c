@@ -8,8 +8,8 @@ bool far_field_is_there(const ehd_grid *grid) {
     return grid->inner_lines > 1 && grid->boundary == BOUNDARY_OPEN;
 }
 
-/* A place far away: its distance, in half widths along the entrainment, and its direction from the
- * side on which the fluid comes in. */
+/* A place far from the contact: its distance, in half widths along the entrainment, and its
+ * direction phi, measured from the side on which the fluid enters. */
 typedef struct far_place {
     double distance;
     double per_rise; // 1/q
@@ -22,8 +22,8 @@ static far_place place_at(const contact_shape *shape, double upstream, double y)
     return (far_place){hypot(upstream, across), 1 / far_angle_rise(&shape->far, phi), phi};
 }
 
-/* Returns the film over q r^2/2 and the derivative by the rigid approach. The deflection is
- * (2/(pi^2 compliance)) (2 pi/3)/r. */
+/* Returns the film divided by q r^2/2, and the derivative of this ratio by the rigid approach.
+ * `inverse` is 1/r. The deflection is (2/(pi^2 compliance)) (2 pi/3)/r. */
 static far_value film_ratio(double rigid_approach, double inverse, double per_rise,
                             const contact_shape *shape) {
     const double square = inverse * inverse * per_rise;
@@ -39,7 +39,7 @@ double far_field_film(const contact_shape *shape, double rigid_approach, double 
            film_ratio(rigid_approach, 1 / at.distance, at.per_rise, shape).value;
 }
 
-/* Returns factor/film^2 with the derivative. */
+/* Returns factor/film^2 and its derivative by the rigid approach. */
 static far_value over_square(double factor, far_value film) {
     const double value = factor / (film.value * film.value);
 
@@ -67,7 +67,7 @@ far_value far_field_pressure(const ehd_contact *contact, double rigid_approach, 
                        film_ratio(rigid_approach, inverse, at.per_rise, shape));
 }
 
-// ---- the load beyond
+// ---- the load beyond the grid
 
 _Static_assert(FAR_RAYS == 4 * GAUSS_4, "Gauss' rule in each of four parts");
 
@@ -86,10 +86,10 @@ static inner_ends ends_of(const ehd_grid *grid, bool backwards) {
                         grid->shape.ellipticity * (half * grid->shape.cell + extent.y_max)};
 }
 
-/* Adds the directions between two values of the stretched angle. */
+/* Adds the rays between two values of the stretched angle. */
 static void add_rays(far_rays *self, const inner_ends *ends, const far_angle *far, double from,
                      double to) {
-    if (to <= from) return; // no directions between
+    if (to <= from) return; // no rays in this range
     for (int i = 0; i < GAUSS_4; i++) {
         double slope;
         const double phi = far_angle_direction(far, from + gauss_4_place[i] * (to - from), &slope);
@@ -109,7 +109,7 @@ static far_rays rays_of(const ehd_grid *grid, bool backwards) {
     const inner_ends ends = ends_of(grid, backwards);
     const far_angle *far = &grid->shape.far;
     const double exit = far_angle_stretched(far, far->exit);
-    // the integrand is smooth between the corners
+    // the angles of the corners of the grid; the integrand is smooth between them
     const double first = far_angle_stretched(far, atan2(ends.beside, ends.upstream));
     const double last = fmin(far_angle_stretched(far, atan2(ends.beside, -ends.downstream)), exit);
     far_rays self = {.num = 0};
@@ -121,8 +121,8 @@ static far_rays rays_of(const ehd_grid *grid, bool backwards) {
     return self;
 }
 
-/* Returns the load beyond the inner nodes. Along each ray it integrates r^2/(2H/q)^2 dr from the
- * end of the grid on. The variable of integration is s = end/r. */
+/* Returns the load beyond the inner nodes. Along each ray, integrates r^2/(2H/q)^2 dr from the end
+ * of the grid to infinity. The variable of integration is s = end/r. */
 static far_value load_on(const far_rays *rays, const ehd_contact *contact, double rigid_approach) {
     const contact_shape *shape = &contact->grid.shape;
     far_value sum = {0, 0};
@@ -133,7 +133,7 @@ static far_value load_on(const far_rays *rays, const ehd_contact *contact, doubl
                 over_square(rays->weight[k] * gauss_4_weight[i] * rays->inverse_end[k],
                             film_ratio(rigid_approach, gauss_4_place[i] * rays->inverse_end[k],
                                        rays->per_rise[k], shape)));
-    // factor 2: both sides of Y = 0; ellipticity: areas in X and Y
+    // factor 2: the rays cover one side of Y = 0. Ellipticity: converts areas to units of X and Y
     return scaled(sum, 2 * contact->lambda * fabs(contact->far_speed) / shape->ellipticity);
 }
 
@@ -144,7 +144,7 @@ far_value far_field_load(const ehd_contact *contact, double rigid_approach) {
     return load_on(&rays, contact, rigid_approach);
 }
 
-// ---- traction beyond
+// ---- traction beyond the grid
 
 /* Returns the r at which the gap has a slope of 1 in metres per metre, R_x/a in the units of the
  * grid. If this r lies within the grid, returns the r at which the cells of the grid end. */
@@ -155,8 +155,8 @@ static double rim_of(const far_rays *rays, size_t ray, const ehd_contact *contac
     return fmax(contact->radius / contact->half_width / slope, 1 / rays->inverse_end[ray]);
 }
 
-/* Adds the integrals of the pressure's moment and of the shear stress along one ray, from the end
- * of the grid to the rim of the film. The variable of integration is ln r. */
+/* Adds the integrals along one ray, from the end of the grid to the rim of the film: the moment of
+ * the pressure, and the shear stress. The variable of integration is ln r. */
 static void add_ray(traction_sums *sums, const far_rays *rays, size_t ray,
                     const ehd_contact *contact, double rigid_approach) {
     const contact_shape *shape = &contact->grid.shape;
@@ -190,7 +190,7 @@ traction_sums far_field_traction(const ehd_contact *contact, double rigid_approa
     const far_rays rays = rays_of(&contact->grid, backwards);
     for (size_t k = 0; k < rays.num; k++)
         add_ray(&sums, &rays, k, contact, rigid_approach);
-    // factor 2: both sides of Y = 0; ellipticity: areas in X and Y
+    // factor 2: the rays cover one side of Y = 0. Ellipticity: converts areas to units of X and Y
     const double areas = 2 / contact->grid.shape.ellipticity;
     sums.rolling *= backwards ? -areas : areas;
     sums.friction *= areas;

@@ -8,23 +8,23 @@
 #include "common/physics/contact.h"
 #include <stdbool.h>
 
-/* The dimensionless numbers that film formulas are written in. */
+/* Dimensionless numbers that occur in film formulas. */
 typedef struct film_numbers {
     double moes_M, moes_L;
     double speed;      // U = eta0 u_m/(E'R)
     double material;   // G = alpha E', 0: isoviscous
     double load;       // W = w/(E'R), for a point contact w/(E'R^2)
-    double half_width; // a/R; for an ellipse R is the radius along the entrainment, in all numbers
-                       // above
-    // for an ellipse (all are 1 for a circle): R_y/R_x, b/a of the dry contact, and a over the
-    // radius of the circular contact with the same load, R_x and E'
+    double half_width; // a/R. For an ellipse, R in this and the other numbers is the radius along
+                       // the entrainment
+    // numbers of an ellipse, all 1 for a circle: R_y/R_x, b/a of the dry contact, and the ratio of
+    // a to the radius of the circular contact with the same load, R_x and E'
     double radius_ratio, ellipticity, width_ratio;
 } film_numbers;
 
 typedef struct film_formula film_formula;
 
-/* Side leakage of a contact. It multiplies a film by 1 - share exp(-rate x). x is (R_y/R_x)^power,
- * or b/a if power is 0. */
+/* Side leakage of a contact. The leakage multiplies the film by 1 - share exp(-rate x), where x is
+ * (R_y/R_x)^power, or b/a if `power` is 0. */
 typedef struct film_leakage {
     double share, rate, power;
 } film_leakage;
@@ -35,7 +35,7 @@ struct film_formula {
     const char *name;
     const char *source; // authors, year, place
     int dimensions;     // dimensions of the contact: 1 for a line, 2 for a point
-    bool of_minimum;    // it gives the minimum film, not the central film
+    bool of_minimum;    // true: formula of the minimum film; false: of the central film
     double factor, speed_power, material_power, load_power;
     double (*film)(const film_formula *self, const film_numbers *numbers); // H
     film_leakage leakage;
@@ -44,27 +44,27 @@ struct film_formula {
 
 extern const film_formula film_formulas[]; // ends with a row whose name is NULL
 
-/* Returns H at the centre by the function fit of Moes (1992), from the four asymptotes rigid or
- * elastic, isoviscous or piezoviscous. More precisely, it is the film where the pressure gradient
- * is zero, which in the rigid isoviscous limit is at the exit. */
+/* Returns H at the centre by the function fit of Moes (1992), which joins four asymptotes: rigid or
+ * elastic, each isoviscous or piezoviscous. Strictly speaking, the fit gives the film where the
+ * pressure gradient is zero. In the rigid isoviscous limit this place is the exit. */
 double film_moes(double moes_M, double moes_L);
 
-/* Returns the central film of an elliptical contact by the function fit of Nijenbanning, Venner
- * and Moes (1994), from the four asymptotes. The film is in Moes units, (h/R_x)/sqrt(2 U), with M
- * and L from R_x. The fit was made for R_y >= R_x. */
+/* Returns the central film of an elliptical contact by the function fit of Nijenbanning, Venner and
+ * Moes (1994), from the four asymptotes. The film is in Moes units, (h/R_x)/sqrt(2 U), with M and L
+ * computed with R_x. The fit was made for R_y >= R_x. */
 double film_nijenbanning_ellipse(double moes_M, double moes_L, double radius_ratio);
 
-/* Returns H of the circular contact: film_nijenbanning_ellipse over (3 M/2)^(2/3). */
+/* Returns H of the circular contact: film_nijenbanning_ellipse divided by (3 M/2)^(2/3). */
 double film_nijenbanning(double moes_M, double moes_L);
 
-/* Returns H at the centre by the fit of Moes for lines, else by the fit of Nijenbanning, Venner and
- * Moes. */
+/* Returns H at the centre. For lines the fit of Moes is used, otherwise the fit of Nijenbanning,
+ * Venner and Moes. */
 double film_central(const ehd_contact *contact);
 
-/* Returns the numbers of a contact at its present state. Most formulas depend only on M and alpha
- * p_H, as the film does (optimum similarity). The formulas of Pan and Hamrock, of Hamrock and
- * Dowson and of Chittenden et al. also depend on E', by 1 % or less if E' changes by 20 %. Only a
- * physical scene has E'; otherwise steel on steel is assumed. */
+/* Returns these numbers for the present state of a contact. Most formulas depend only on M and
+ * alpha p_H, as the film itself does (optimum similarity). The formulas of Pan and Hamrock, of
+ * Hamrock and Dowson and of Chittenden et al. also depend on E', by 1 % or less if E' changes by 20
+ * %. Only a physical scene has E'; otherwise steel on steel is assumed. */
 film_numbers film_numbers_of(const ehd_contact *contact);
 
 #endif

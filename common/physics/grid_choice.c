@@ -5,26 +5,29 @@
 
 #include <math.h>
 
-/* Limits for the grid of a kind of contact. H is the isoviscous film. At X = sqrt(2 H) the gap
- * equals this film. */
+/* Limits from which the default grid of a kind of contact follows. H is the isoviscous film. At X =
+ * sqrt(2 H) the undeformed gap equals this film. */
 typedef struct grid_rule {
-    double coarsest;     // step unless the film is thick; finer steps are 1/2, 1/4 ... of it
-    double thick;        // largest step over sqrt(2 H) to which thick films double the step
+    double coarsest;     // step, unless the film is thick; finer steps are 1/2, 1/4 ... of this
+                         // step
+    double thick;        // largest step over sqrt(2 H) up to which the step is doubled for thick
+                         // films
     double around;       // largest step over sqrt(2 H)
     double steps;        // largest step over the width of the inlet, H^(2/3)
     double inlet_effect; // largest effect of the missing inlet on the central film
     double load_effect;  // largest effect of the load beyond the domain on the central film
-    double far_terms;    // largest terms that the far field omits, at the domain's beginning
+    double far_terms;    // largest size, at x_min, of the terms that the far field omits
     double shortest;     // smallest -x_min
-    double longest;      // largest -x_min that the two effects may require
+    double longest;      // largest -x_min that inlet_effect and load_effect may require
     double sides;        // y_max over -x_min
 } grid_rule;
 
-/* Limits for line contacts, measured at 192 contacts against long inlets and the limit of small
- * steps (docs/history.md, default-grid). M was 1 to 2000 and L 0 to 25, with Barus incompressible
- * and Roelands compressible. The error of H_c is at most 0.9 % (wanted: 1 %), the error of H_m at
- * most 1.2 % (wanted: 3 %). With four times the step the error of H_m exceeds 3 % (M = 240, L =
- * 0). With the next shorter inlet the error of H_c is 1.6 % (M = 1). */
+/* Limits for line contacts, measured at 192 contacts (docs/history.md, default-grid). M was 1 to
+ * 2000 and L 0 to 25, with Barus' law incompressible and Roelands' law compressible. The errors are
+ * measured against solutions with a long inlet, in the limit of small steps. The error of H_c is at
+ * most 0.9 % (wanted: 1 %), the error of H_m at most 1.2 % (wanted: 3 %). With four times the step
+ * the error of H_m exceeds 3 % (M = 240, L = 0). With the next shorter inlet the error of H_c is
+ * 1.6 % (M = 1). */
 static const grid_rule line_rule = {
     .coarsest = 0.02,
     .thick = 1. / 50,
@@ -38,11 +41,12 @@ static const grid_rule line_rule = {
     .sides = NAN,
 };
 /* Limits for point contacts with an open boundary, measured at 55 contacts, M from 1 to 1000, L 0
- * to 25 (docs/history.md, default-grid). H_c is within 0.6 % and H_m within 1.0 %. With the next
- * shorter domain H_c is off by 0.7 to 1.8 % at M of 1 to 3. With twice the step H_c is off by 1.5
- * to 4 % where the spike lies at the centre (M of 5 to 10, L from 10 on), and H_m by 8 % at M =
- * 100, L = 0. With .steps = 0.6, at M = 100 and 300, L = 0, the films on twice the step are so far
- * off that the error estimate of H_m fails. */
+ * to 25 (docs/history.md, default-grid). The error of H_c is at most 0.6 %, the error of H_m at
+ * most 1.0 %. With the next shorter domain the error of H_c is 0.7 to 1.8 % at M of 1 to 3. With
+ * twice the step the error of H_c is 1.5 to 4 % if the spike lies at the centre (M of 5 to 10, L
+ * from 10 on), and the error of H_m is 8 % at M = 100, L = 0. With .steps = 0.6, at M = 100 and
+ * 300, L = 0, the films on twice the step are so inaccurate that the error estimate of H_m
+ * fails. */
 static const grid_rule open_rule = {
     .coarsest = 0.25,
     .thick = 1. / 12,
@@ -55,12 +59,12 @@ static const grid_rule open_rule = {
     .longest = INFINITY,
     .sides = 0.75,
 };
-/* Limits for point contacts with zero pressure at the border of the grid. From M = 10 on H_c is
- * within 0.8 % and H_m within 2.5 %. With twice the step H_m is off by 10 % (M = 20, L = 0). With
- * the next shorter domain H_c is off by 1.1 % (M = 10, L = 0) and 1.2 % (M = 14, L = 0). Below M =
- * 10, at small L, the error of the films is inversely proportional to the length, and no domain is
- * long enough: 1.5, 5 and 25 % at M = 7, 5 and 3. At the sides, Y = y_max, the exits lie at X =
- * 0.21 y_max. */
+/* Limits for point contacts with zero pressure at the border of the grid. From M = 10 on the error
+ * of H_c is at most 0.8 %, the error of H_m at most 2.5 %. With twice the step the error of H_m is
+ * 10 % (M = 20, L = 0). With the next shorter domain the error of H_c is 1.1 % (M = 10, L = 0) and
+ * 1.2 % (M = 14, L = 0). Below M = 10, at small L, the error of the films is inversely proportional
+ * to the length of the domain. No domain is then long enough: the error is 1.5, 5 and 25 % at M =
+ * 7, 5 and 3. At the sides, Y = y_max, the exits lie at X = 0.21 y_max. */
 static const grid_rule zero_rule = {
     .coarsest = 0.125,
     .thick = 1. / 12,
@@ -74,9 +78,8 @@ static const grid_rule zero_rule = {
     .sides = 0.75,
 };
 
-/* Smallest step that the surroundings of a contact may require, half widths. This step also
- * resolves spikes at the centre (README.md, Default grid; test_grid_choice.c,
- * points_with_the_far_field). */
+/* Smallest step that the limit `around` may require, half widths. This step also resolves spikes at
+ * the centre (README.md, Default grid; test_grid_choice.c, points_with_the_far_field). */
 static const double FINEST_AROUND = 0.0625;
 
 static const grid_rule *rule_of(const ehd_contact *contact) {
@@ -84,12 +87,12 @@ static const grid_rule *rule_of(const ehd_contact *contact) {
     return contact->grid.boundary == BOUNDARY_OPEN ? &open_rule : &zero_rule;
 }
 
-/* Returns the integral of gap/(gap + film)^3 from minus infinity to -start. Up to a factor it is
- * the viscous pressure of an inlet with the gap of the dry contact (Grubin). Midpoint rule in t,
- * with X = -start/s and s = 1 - t^2. */
+/* Returns the integral of gap/(gap + film)^3 from minus infinity to -start. Up to a factor this
+ * integral is the viscous pressure at -start in an inlet with the gap of the dry contact (Grubin).
+ * It is computed by the midpoint rule in t, with X = -start/s and s = 1 - t^2. */
 static double grubin_integral(const ehd_contact *contact, double film, double start) {
-    // Number of intervals. With 4 to 400 intervals seven line contacts (M 0.5 to 1000, L 0 to 15)
-    // get the same inlet (README.md, Default grid).
+    // Number of intervals. Numbers from 4 to 400 give the same inlets for seven line contacts (M
+    // 0.5 to 1000, L 0 to 15) (README.md, Default grid).
     const int num_intervals = 400;
     double sum = 0;
 
@@ -104,23 +107,24 @@ static double grubin_integral(const ehd_contact *contact, double film, double st
 
 /* Returns the relative change of the film if the load beyond a domain is missing.
  *
- * A point contact has far-field pressures lambda S(phi)/r^3 (README.md, far field). The domain
- * ends at -length upstream and at 3/4 length on either side. Beyond it these pressures carry the
- * load 1.66 lambda/length. The pressures within are lower by a solution that grows with r^0.162,
- * which removes a further 0.925 times this load.
+ * A point contact has far-field pressures lambda S(phi)/r^3 (README.md, far field). The domain ends
+ * at -length upstream and at 3/4 length on either side. Beyond the domain these pressures carry the
+ * load 1.66 lambda/length. Within the domain the pressures are lower too, by a solution that grows
+ * with r^0.162. The load lost within the domain is 0.925 times the load beyond the domain.
  *
  * For a line contact the load of the inlet, -int X dP, is missing. With dP/dX = lambda/H^2 and H =
  * X^2/2 this load is 2 lambda/length^2.
  *
- * M is proportional to the load. The film in Hertz units is proportional to M^(-2/3) (lines: 1/M)
- * times the film in units of the radius. */
+ * M is proportional to the load, and the load also changes the unit of H: H is proportional to
+ * M^(-2/3) (lines: 1/M) times the film in units of the radius. This change of the unit is
+ * subtracted. */
 static double load_effect(const ehd_contact *contact, double length) {
     const contact_kind *kind = contact->kind;
     const double moes_L = contact_moes_L(contact);
     const contact_shape *shape = &contact->grid.shape;
     const bool line = kind->dimensions == 1;
-    // Change of ln M in the difference quotient. With 1e-6 to 0.5 the grids of line contacts with
-    // M = 0.5, 1 and 2 begin at the same X (README.md, Default grid).
+    // Change of ln M in the difference quotient. Changes from 1e-6 to 0.5 give grids that begin at
+    // the same X, for line contacts with M = 0.5, 1 and 2 (README.md, Default grid).
     const double change = 1e-3;
     const double moes_M = contact->moes_M, lambda = contact->lambda / kind->load;
     const double thicker = log(kind->central_film(shape, moes_M * exp(-change), moes_L) /
@@ -132,13 +136,14 @@ static double load_effect(const ehd_contact *contact, double length) {
 }
 
 /* Returns the relative change of the film if the viscous pressure that is built up upstream of a
- * domain is missing. `all`: grubin_integral up to X = -1. The film follows the viscous pressure
- * with the exponent 8/11 (Ertel and Grubin). */
+ * domain is missing. `all` is the grubin_integral up to X = -1. The film follows the viscous
+ * pressure with the exponent 8/11 (Ertel and Grubin). */
 static double pressure_effect(const ehd_contact *contact, double film, double all, double length) {
     return 8. / 11 * grubin_integral(contact, film, length) / all;
 }
 
-/* Returns (2 c/r^2)^2, the size of the terms that the far field omits. H is r^2/2 + c. */
+/* Returns (2 c/r^2)^2 at r = length, the size of the terms that the far field omits in a gap r^2/2
+ * + c. c is `film`. */
 static double omitted_terms(double film, double length) {
     const double part = 2 * film / (length * length);
     return part * part;
@@ -149,13 +154,14 @@ static double central_film(const ehd_contact *contact) {
                                        contact_moes_L(contact));
 }
 
-/* Returns the next longer one of the lengths 1.5, 2, 3, 4, 6, 8, 12, ... */
+/* Returns the next length in the sequence 1.5, 2, 3, 4, 6, 8, 12, ... */
 static double next_length(double length) {
     return length * (fmod(log2(length), 1) == 0 ? 1.5 : 4. / 3);
 }
 
-/* Returns the shortest inlet whose three effects are within the limits of the rule. An inlet
- * of rule->longest or more is checked only for the terms that the far field omits. */
+/* Returns the shortest inlet length for which three errors are below the limits of the contact's
+ * grid_rule: the terms that the far field omits (far_terms), the missing load (load_effect) and the
+ * missing viscous pressure (inlet_effect). From rule->longest on, only far_terms is checked. */
 static double inlet_length(const ehd_contact *contact) {
     const grid_rule *rule = rule_of(contact);
     const double film = central_film(contact), all = grubin_integral(contact, film, 1);
@@ -170,9 +176,9 @@ static double inlet_length(const ehd_contact *contact) {
 }
 
 /* Returns y_max. With an open boundary the gap at the sides equals the gap at the sides of a
- * circle's domain. With zero pressure at the border, the distance from the edge of a wide ellipse
- * to the sides is that of a circle, in half widths along, and at least half of b (README.md,
- * Default grid). */
+ * circle's domain. With zero pressure at the border, a wide ellipse has the same distance from its
+ * edge to the sides as a circle, in half widths along the entrainment, but at least half of b
+ * (README.md, Default grid). */
 static double sides_needed(const grid_rule *rule, double length, const contact_shape *shape) {
     const double of_circle = rule->sides * length, k = shape->ellipticity;
 
@@ -186,22 +192,25 @@ static double whole_steps(double length, double step) {
     return ceil(length / step - 1e-6);
 }
 
-/* Returns x_max in whole steps. The exit lies before x_max by at least a fourth of x_max. With a
- * rigid parabola the exit is at 0.475 sqrt(2 H) (lines). Beside a point contact the exit follows
+/* Returns x_max in whole steps. The exit lies before x_max by at least a fourth of x_max. Behind a
+ * rigid parabola the exit lies at 0.475 sqrt(2 H) (lines). Beside a point contact the exit follows
  * the exit ray of the far field. */
 static double end_needed(const contact_shape *shape, double film, double y_max, double step) {
     const double thick = 0.475 * sqrt(2 * film);
     const double beside = isnan(y_max) ? 0 : shape->ellipticity * y_max / -tan(shape->far.exit);
-    // 0.01, because the ray of a circle is off by 2e-5
+    // The exit ray of a circle has an error of 2e-5. The subtraction of 0.01 prevents ceil from
+    // rounding such an error up to a whole half width.
     const double end = fmax(2, ceil(4. / 3 * fmax(thick, beside) - 0.01));
 
     return step * whole_steps(end, step);
 }
 
-/* Returns H at the centre for constant viscosity. For a narrow ellipse it is the geometric mean of
- * two estimates, neither of which was made for it. Relative to the true film, the estimate for the
- * cold start is 1.4 to 20, the fit for wide ellipses a quarter to 1.3, and the mean 1.2 to 2.7 (k
- * of 0.05 and 0.2, M of 0.1 to 100). */
+/* Returns H at the centre for constant viscosity. For a narrow ellipse the result is the geometric
+ * mean of two estimates, neither of which was made for narrow ellipses. For k of 0.05 and 0.2, M of
+ * 0.1 to 100, their ratio to the true film is:
+ * - estimate for the cold start: 1.4 to 20,
+ * - fit for wide ellipses: 0.25 to 1.3,
+ * - geometric mean: 1.2 to 2.7. */
 static double isoviscous_film(const ehd_contact *contact) {
     const contact_shape *shape = &contact->grid.shape;
     const double k = shape->ellipticity, M = contact->moes_M;
@@ -214,9 +223,9 @@ static double isoviscous_film(const ehd_contact *contact) {
 
 /* Returns the step. The step follows from the isoviscous film, because a lubricant of higher L has
  * a thicker film, but a narrower spike. For an ellipse narrower than k = 1/2 the step is
- * proportional to the square root of k, because cells are longer across, in half widths. At k of
- * 0.1 and 0.2, M of 1 and 100, L = 0, H_m is 17 and 14 % off with the step of wide ellipses, 6 and
- * 3 % with half of this step, and 1 % with a quarter. */
+ * proportional to the square root of k, because its cells are wider than long, in half widths. At k
+ * of 0.1 and 0.2, M of 1 and 100, L = 0, the error of H_m is 17 and 14 % with the step of wide
+ * ellipses, 6 and 3 % with half of this step, and 1 % with a quarter. */
 static double step_needed(const grid_rule *rule, double isoviscous, const contact_shape *shape) {
     const double around = sqrt(2 * isoviscous);
     const double narrow = fmin(sqrt(2 * shape->ellipticity), 1); // 1 for lines and points

@@ -15,9 +15,10 @@ grid_extent grid_extent_needed(const ehd_contact *contact);
  * inlet is not longer than the inlet of grid_extent_needed. */
 grid_extent grid_extent_within(const ehd_contact *contact, double effect);
 
-/* Estimates the relative error of the central film of a stationary contact with this M if its
- * inlet is `length` long (README.md, default grid). INFINITY: the inlet ends in the contact. For
- * lines the estimate is 1.1 to 5 times the error, for points with an open boundary 1.4 to 20. */
+/* Estimates the relative error of the central film of a stationary contact with this M if its inlet
+ * is `length` long (README.md, default grid). INFINITY: the grid begins within the dry contact. The
+ * estimate is larger than the error: 1.1 to 5 times for lines, 1.4 to 20 times for points with an
+ * open boundary. */
 double grid_inlet_effect(const ehd_contact *contact, double length);
 
 /* Extends `self` so that it is long, wide and fine enough for both extents. */
@@ -25,8 +26,8 @@ void grid_extent_join(grid_extent *self, const grid_extent *other);
 
 /* Makes a grid from the values in `given`. Values that are NaN come from `needed`. Ends that are
  * not given move outwards, and a step that is not given is reduced, until whole steps fit. The grid
- * has the discretisation, boundary and shape of `like`. For a point contact it is a half grid if
- * `like` is one. */
+ * has the discretisation, boundary and shape of `like`. The grid of a point contact is a half grid
+ * if `like` is a half grid. */
 ehd_grid grid_choose(const grid_extent *given, const grid_extent *needed, const ehd_grid *like);
 
 #endif

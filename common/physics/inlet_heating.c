@@ -10,7 +10,8 @@
  * of 0.5 it is half of their factor. */
 static const double MAX_LOAD_TERM = 0.25;
 
-/* Bounds of |S|. Above 2, which is simple sliding, the surfaces move in opposite directions. */
+/* Bounds of |S|. At 2, simple sliding, one surface is at rest. Above 2 the surfaces move in
+ * opposite directions. */
 static const double MAX_SLIDE_ROLL = 2;
 
 double inlet_heating_factor(double loading, double ratio, double slide_roll) {

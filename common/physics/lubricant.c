@@ -114,7 +114,8 @@ static ehd_status collect_values(law_value *values, const lubricant_law *law,
     return EHD_OK;
 }
 
-/* Finds the law that the settings name, and prepares it. `group`: the law's key, for errors. */
+/* Finds the law that the settings name, and prepares it. `group` is the key of the settings, for
+ * error messages. */
 static ehd_status prepare_law(const lubricant_law **law, ehd_lubricant *lubricant,
                               const lubricant_law *const *laws, const law_settings *settings,
                               const char *group, ehd_error *error) {
@@ -232,8 +233,8 @@ void lubricant_evaluate(double *log_viscosity, double *log_viscosity_derivative,
     double limit = lubricant->pressure_limit;
 
     for (size_t i = 0; i < num_nodes; i++) {
-        // pressures of iterates become slightly negative, and a spike may pass the law's limit on
-        // the way
+        // pressures of iterates become slightly negative. During the iteration the pressure of a
+        // spike may exceed the limit of the law
         double p = fmin(fmax(pressure[i], 0) * hertz_pressure, limit), slope;
         log_viscosity[i] = lubricant->viscosity->evaluate(lubricant, p, &slope);
         log_viscosity_derivative[i] = slope * hertz_pressure;

@@ -23,10 +23,10 @@ enum {
 
 /* Whether a scene must give a parameter. */
 typedef enum law_need {
-    LAW_OPTIONAL, // no; it may have a default
-    LAW_REQUIRED, // yes
-    LAW_PRESET,   // yes, unless all constants are given: a word that names a set of constants
-    LAW_CONSTANT  // yes, unless the preset is given
+    LAW_OPTIONAL, // not required; the parameter may have a default
+    LAW_REQUIRED, // required
+    LAW_PRESET,   // a word that names a set of constants; required unless all constants are given
+    LAW_CONSTANT  // a constant; required unless the preset is given
 } law_need;
 
 /* A parameter of a law: a key below lubricant.viscosity, lubricant.density or lubricant.shear. If
@@ -36,7 +36,7 @@ typedef struct law_parameter {
     const char *key; // "alpha"
     law_need need;
     const char *choices;       // "no1|no2" for a word; NULL: a number
-    const char *default_value; // default, written as in a scene; NULL: none
+    const char *default_value; // default, written as in a scene; NULL: there is no default
     double min, max;           // range of a number, inclusive
     const char *unit;          // "1", "Pa", ...
     const char *help;          // description
@@ -57,8 +57,8 @@ typedef struct law_settings {
 typedef struct lubricant_settings {
     law_settings viscosity;      // one of viscosity_laws
     law_settings density;        // one of density_laws
-    law_settings shear;          // one of shear_laws; "": the first one
-    double thermal_conductivity; // W/(m K), for the inlet heating; NaN: not given
+    law_settings shear;          // one of shear_laws; "": the first law
+    double thermal_conductivity; // W/(m K), for the inlet heating; NaN: the scene does not give it
 } lubricant_settings;
 
 typedef struct ehd_lubricant ehd_lubricant;
@@ -67,9 +67,9 @@ typedef struct ehd_lubricant ehd_lubricant;
 typedef struct lubricant_law {
     const char *name;
     law_parameter parameters[MAX_LAW_PARAMETERS]; // a NULL key ends a shorter list
-    /* Computes what `evaluate` needs from the values of these parameters, in their order: the
-     * constants and, for viscosity and shear, the members of ehd_lubricant below the constants.
-     * NULL: there is nothing to do. */
+    /* Computes the members of ehd_lubricant that `evaluate` needs: the constants, and for viscosity
+     * and shear also the members below the constants. `values` holds the values of `parameters`, in
+     * the same order. NULL: no preparation is needed. */
     ehd_status (*prepare)(ehd_lubricant *self, const law_value *values, ehd_error *error);
     /* Returns ln(eta(p)/eta(0)) or rho(p)/rho(0) at a pressure in Pa, and its derivative in 1/Pa.
      * NULL: the density is constant. */
@@ -87,7 +87,8 @@ extern const lubricant_law *const shear_laws[];
 
 struct ehd_lubricant {
     const lubricant_law *viscosity;
-    const lubricant_law *density; // NULL when incompressible: no density term is evaluated
+    const lubricant_law *density; // NULL: the lubricant is incompressible, and no density term is
+                                  // evaluated
     const lubricant_law *shear;
     double viscosity_constants[MAX_LAW_CONSTANTS];
     double density_constants[MAX_LAW_CONSTANTS];
@@ -99,9 +100,9 @@ struct ehd_lubricant {
     double alpha;
     double pressure_limit; // Pa, largest pressure for which the law holds; default: infinite
     double temperature;    // degC; NaN: the law has none
-    // 1/K, -d ln(eta0)/dT at the temperature; NaN: not known
+    // 1/K, -d ln(eta0)/dT at the temperature; NaN: the coefficient is not known
     double temperature_coefficient;
-    double thermal_conductivity; // W/(m K); NaN: not known
+    double thermal_conductivity; // W/(m K); NaN: the conductivity is not known
 };
 
 size_t law_num_parameters(const lubricant_law *law);
@@ -111,7 +112,7 @@ const law_parameter *law_key(const lubricant_law *law, const char *key);
 
 /* Returns key number `slot` of a table of laws, or NULL. The keys are in the order of the laws. A
  * key of several laws is numbered once, at the last of these laws. Keys beyond MAX_LAW_KEYS have no
- * number. Stored scenes also use this order, so it must not change. */
+ * number. Stored scenes also use this order, so the order must not change. */
 const law_parameter *laws_key(const lubricant_law *const *laws, size_t slot);
 
 /* Returns the number of a key, or MAX_LAW_KEYS if it has none. */
@@ -120,7 +121,7 @@ size_t laws_slot(const lubricant_law *const *laws, const char *key);
 /* Returns the default that all laws with this key share, or NULL. */
 const char *laws_default(const lubricant_law *const *laws, const char *key);
 
-/* Checks whether all laws with this key require it. */
+/* Checks whether all laws that have this key require a value for it. */
 bool laws_require(const lubricant_law *const *laws, const char *key);
 
 /* Returns the law with this name, or NULL. */
@@ -148,7 +149,7 @@ ehd_status lubricant_init(
 double lubricant_density(const ehd_lubricant *lubricant, double pressure);
 
 /* Returns the Newtonian shear stress at a dimensionless pressure p / p_H. `isoviscous` is the
- * stress with the viscosity at zero pressure. The result has the same unit. */
+ * stress with the viscosity at zero pressure. The result has the unit of `isoviscous`. */
 double lubricant_viscous_stress(const ehd_lubricant *lubricant, double hertz_pressure, // Pa
                                 double isoviscous, double pressure);
 
@@ -159,8 +160,8 @@ double lubricant_shear_stress(const ehd_lubricant *lubricant, double hertz_press
                               double isoviscous, double pressure);
 
 /* Rises from zero pressure to a given pressure: ln(eta/eta(0)) of the viscosity, ln(rho/rho(0)) of
- * the density, and ln(eta/eta(0)) at half of the pressure. NaN: not known. At the Hertz pressure
- * these rises distinguish lubricants with the same alpha p_H. */
+ * the density, and ln(eta/eta(0)) at half of the pressure. NaN: the rise is not known. At the Hertz
+ * pressure these rises distinguish lubricants with the same alpha p_H. */
 enum { RISE_VISCOSITY, RISE_DENSITY, RISE_VISCOSITY_HALF, NUM_RISES };
 typedef struct lubricant_rises {
     double of[NUM_RISES];
@@ -171,8 +172,8 @@ lubricant_rises lubricant_rises_at(const ehd_lubricant *lubricant, double pressu
 double lubricant_rise_at(const ehd_lubricant *lubricant, int rise, double pressure);
 lubricant_rises lubricant_rises_unknown(void);
 
-/* Names of the datasets with these rises: in snapshots, in the states of bases and models, and in
- * the calibration of a model. */
+/* Names of the datasets with these rises. The three arrays are for snapshots, for the states of
+ * bases and models, and for the calibration of a model. */
 extern const char *const lubricant_rise_names[NUM_RISES];
 extern const char *const lubricant_rise_state_names[NUM_RISES];
 extern const char *const lubricant_rise_shown_names[NUM_RISES];

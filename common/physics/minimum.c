@@ -14,7 +14,7 @@ static double minimum_of_five(const double *value) {
     const double fourth = (value[0] - 4 * value[1] + 6 * value[2] - 4 * value[3] + value[4]) / 24;
     double t = 0;
 
-    // Newton's iteration for the zero of the slope; a film has one minimum within a few nodes
+    // Newton's iteration for the zero of the slope. Within a few nodes a film has only one minimum
     for (int i = 0; i < 20; i++) {
         double slope = first + t * (2 * second + t * (3 * third + t * 4 * fourth));
         double curvature = 2 * second + t * (6 * third + t * 12 * fourth);
@@ -37,8 +37,8 @@ static double film_at(const film *self, size_t node) {
     return self->value(self->context, node);
 }
 
-/* Descends along the line from a node to a minimum of the film, and returns its node. The two nodes
- * at either end of the line are skipped. */
+/* Descends along the line from a node to a minimum of the film, and returns the node of this
+ * minimum. The two nodes at either end of the line are skipped. */
 static size_t lowest_along(const film *self, size_t node) {
     const size_t first = node - node % self->width + 2, last = first + self->width - 5;
 
@@ -58,15 +58,15 @@ static double minimum_along(const film *self, size_t node) {
     return minimum_of_five(values);
 }
 
-/* Finds the minima of the line of a node and of two lines on either side, each in the valley
- * through the node. The minimum of a missing line is NaN. */
+/* Finds the minima on five lines: the line of a node, and two lines on either side. From line to
+ * line the search follows the valley through the node. The minimum of a missing line is NaN. */
 static void follow_valley(double minima[5], const film *self, const ehd_grid *grid, size_t node) {
     const size_t lines = grid_lines(grid), line = node / self->width;
 
     minima[2] = minimum_along(self, node);
     for (int side = -1; side <= 1; side += 2) {
         size_t at = node, here = line;
-        int towards = side; // turns round at a mirror line
+        int towards = side; // direction of the search; reverses at a mirror line
         for (int apart = 1; apart <= 2; apart++) {
             double *minimum = &minima[2 + side * apart];
             *minimum = NAN;

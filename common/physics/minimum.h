@@ -6,13 +6,15 @@
 
 #include "common/physics/contact.h"
 
-/* Returns the minimum of the film interpolated around `node`, where it is smallest at the nodes.
- * Along the entrainment the interpolation is the quartic through five nodes. Across it is the
- * quartic through the minima of five lines, each around the lowest node of the valley. The
- * constriction of a point contact is a valley that crosses several nodes from one line to the next.
- * If lines are missing, the result is the minimum of the node's line. If a node of this line is
- * missing (its `value` is NaN), or in the published discretisation, the result is the value at the
- * node. */
+/* Returns the minimum of the interpolated film near `node`, the node with the smallest film. Along
+ * the entrainment the film is interpolated by the quartic through five nodes. In point contacts
+ * another quartic interpolates the minima of five lines across. On each line the minimum is taken
+ * around the lowest node of the valley, because the valley (the constriction) may shift by several
+ * nodes from one line to the next.
+ *
+ * If one of the five lines is missing, the result is the minimum on the line of `node`. If a node
+ * of this line is missing (its `value` is NaN), the result is the value at `node`. In the published
+ * discretisation the result is always the value at `node`. */
 double minimum_around(const ehd_grid *grid, size_t node,
                       double (*value)(const void *context, size_t node), const void *context);
 

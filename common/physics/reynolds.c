@@ -9,8 +9,8 @@
 
 // ---- stencils
 
-/* Returns the node `lines` lines away across the entrainment, mirrored at the line y = 0 of a half
- * grid. NO_NODE beyond the boundary. */
+/* Returns the node that lies `lines` lines away across the entrainment. On a half grid the lines
+ * are mirrored at y = 0. Returns NO_NODE beyond the boundary. */
 static size_t node_across(const ehd_grid *grid, size_t node, ptrdiff_t lines) {
     const ptrdiff_t width = (ptrdiff_t)grid_width(grid);
     ptrdiff_t line = (ptrdiff_t)node / width + lines;
@@ -81,9 +81,9 @@ reynolds_stencil reynolds_stencil_reversed(const ehd_grid *grid, size_t node) {
 
 // ---- fluid
 
-/* Returns the factor of the flow across, which multiplies second differences from line to line over
- * the square of the step. The factor is (a/b)^2, divided by the square of a cell's ratio of width
- * to length. */
+/* Returns the factor of the flow across the entrainment: (a/b)^2, divided by the square of the
+ * ratio of width to length of a cell. The factor multiplies second differences from line to line,
+ * divided by the square of the step along. */
 static inline double flow_across(const contact_shape *shape) {
     return shape->flow_across / (shape->cell * shape->cell);
 }
@@ -243,7 +243,7 @@ static void add_published_flux(reynolds_row *flux, double step, double entrainme
 
 // ---- the accurate discretisation
 
-/* Mobility at a pressure, with the data for mean values between nodes. */
+/* Mobility at a pressure, with the data that mean values between nodes need. */
 typedef struct mobility {
     double value, slope, logarithm, pressure;
     double density, density_slope; // for a thinned flow
@@ -270,7 +270,7 @@ static inline reynolds_link logarithmic_link(const mobility *before, const mobil
     const double drop = after->pressure - before->pressure;
     double mean, by_log_a, by_log_b;
 
-    // the mobility of a very large viscosity is zero in floating point: nothing flows
+    // if the viscosity is very large, the mobility is zero in floating point, and nothing flows
     if (!(a > 0 && b > 0)) return (reynolds_link){0};
     if (fabs(logarithm) < 1) {
         // sqrt(a b) sinh(y)/y with y = ln(a/b)/2, by the series of sinh
@@ -326,16 +326,17 @@ typedef struct mobility_falls {
 } mobility_falls;
 
 /* Returns the link with the mobility at the mean pressure, extrapolated to fourth order from the
- * links of the two halves and of the whole. If the mobility falls with the pressure, the sum of
- * both halves is more than half of the whole. The flow is then never against the pressure
- * difference. */
+ * links of the two halves and of the whole. If the mobility falls with the pressure, the sum of the
+ * two halves is more than half of the link of the whole. The flow then always has the direction of
+ * the pressure difference. */
 static inline reynolds_link link_with_middle(const mobility *before, const mobility *middle,
                                              const mobility *after, mobility_falls falls,
                                              bool thinned) {
     const reynolds_link whole = logarithmic_link(before, after, falls.whole, thinned);
     const reynolds_link first = logarithmic_link(before, middle, falls.first, thinned);
     const reynolds_link second = logarithmic_link(middle, after, falls.second, thinned);
-    // derivative by the pressure at either end through the pressure in the middle
+    // part of the derivative by the pressure at either end that comes from the pressure in the
+    // middle
     const double by_middle = (first.by_after + second.by_before) / 2;
 
     return (reynolds_link){
@@ -372,7 +373,7 @@ static inline mobility thinned_mobility_at(const row_nodes *at, int a) {
  * shear-thinning Eyring fluid in a film of thickness `film`. */
 static inline void thin(mobility *self, const reynolds_fluid *fluid, double film,
                         const eyring_gradient *gradient, bool along) {
-    // the viscosity is infinite in floating point: nothing flows, and nothing is thinned
+    // if the viscosity is infinite in floating point, nothing flows, and nothing is thinned
     if (!(self->value > 0)) return;
     // ln eta = ln rho - ln mobility
     const double viscosity_slope = self->density_slope / self->density - self->slope / self->value;
@@ -387,7 +388,8 @@ static inline void thin(mobility *self, const reynolds_fluid *fluid, double film
 
 /* Returns the link of a flow that an Eyring fluid thins, along or across the sliding. The link uses
  * the mobilities at both nodes and between them, the gradient between the nodes, and the film at
- * the half node. Two logarithms of ratios replace a logarithm of each mobility and factor. */
+ * the half node. Two logarithms of ratios are computed in place of the logarithms of all mobilities
+ * and factors. */
 static reynolds_link thinned_link(const row_nodes *at, int before, int after, double film,
                                   bool along) {
     const reynolds_fluid *fluid = at->fluid;
@@ -396,7 +398,7 @@ static reynolds_link thinned_link(const row_nodes *at, int before, int after, do
     const double of_drop = fluid->gradient_thinning * film * (along ? 1 : fluid->gradient_across);
     const eyring_gradient gradient = eyring_gradient_of(fabs(of_drop * drop));
 
-    // frequent case behind the exit, where the search for the exit evaluates rows
+    // this case is frequent behind the exit, where the search for the exit evaluates rows
     if (drop == 0 && a.value == b.value) {
         thin(&a, fluid, film, &gradient, along);
         return (reynolds_link){.by_before = -a.value, .by_after = a.value};
@@ -415,8 +417,8 @@ static reynolds_link thinned_link(const row_nodes *at, int before, int after, do
     return link;
 }
 
-/* Stencil nodes around the half node between i and i + 1: i - 2 … i + 2. Across the entrainment
- * the first of them is not used. */
+/* Stencil nodes around the half node between i and i + 1: i - 2 … i + 2. For half nodes across the
+ * entrainment HALF_BACK2 is not used. */
 enum { HALF_BACK2, HALF_BACK, HALF_BEFORE, HALF_AFTER, HALF_AHEAD, NUM_HALF };
 
 /* Returns the weights of the film at a half node: the weights of the cubic, or of the mean beside
@@ -545,7 +547,7 @@ static const int half_right[NUM_HALF] = {NODE_LEFT, NODE_LEFT, NODE_HERE, NODE_R
 
 // ---- cross fluxes
 
-/* step^2 times the derivative of a flow at the middle of three nodes, to leading order. */
+/* Derivative of a flow at the middle of three nodes, times step^2, to leading order. */
 typedef struct net_flow {
     int node[3]; // of the stencil
     double value, by_pressure[3], by_film[3];
@@ -576,10 +578,11 @@ static net_flow net_pressure_flow(int left, int here, int right, double scale,
 }
 
 /* Pressure below which a node is taken as near the exit, in Hertz pressures. Below this pressure
- * the flow fades in (net_along). With a jump instead of this ramp Newton's iteration cycles (k =
- * 0.5, M = 4.83, L = 10; discretization.bats, "cross fluxes fade in at the exit"). With 1e-2 the
- * slowest of 24 cold starts (k = 0.5, 0.7 and 1) takes 13 iterations. With 1e-3 two of these
- * starts take 71. */
+ * the net flow along is reduced in proportion to the pressure (net_along). If the net flow jumped
+ * instead, Newton's iteration would cycle (k = 0.5, M = 4.83, L = 10; discretization.bats, "cross
+ * fluxes fade in at the exit"). Measured on 24 cold starts (k = 0.5, 0.7 and 1): with an
+ * EXIT_PRESSURE of 1e-2 the slowest start takes 13 iterations. With 1e-3 two of the starts take
+ * 71. */
 static const double EXIT_PRESSURE = 1e-2;
 
 /* Returns the net flow of U rho H - eps dP/dx, which equals the inflow from across. The net flow
@@ -627,8 +630,8 @@ static void add_net(reynolds_row *row, const weighted_net *net) {
  *
  *     int g/H^3 = flow_scale * change        g' = -sign * net
  *
- * with a linear net flow between the two nodes, and Simpson's rule over both nodes and the half
- * node. If `change` is NULL, only the effect of the net flows is added. */
+ * Between the two nodes the net flow is linear. Simpson's rule uses both nodes and the half node.
+ * If `change` is NULL, only the effect of the net flows is added. */
 static void add_crossed_flow(reynolds_row *row, const int of[NUM_HALF], double scale, double sign,
                              const reynolds_link *change, double flow_scale, weighted_net *before,
                              weighted_net *after, const row_nodes *at) {
@@ -663,8 +666,8 @@ static void add_crossed_flow(reynolds_row *row, const int of[NUM_HALF], double s
 
 /* Adds to an accurate row the flow across and the effect of the net flow across on the fluxes
  * along. Between two nodes, the flow in each direction changes by the net flow in the other
- * direction. The mean over a side of the cell is the value at its middle plus a term of the
- * curvature (README.md, Cross fluxes). */
+ * direction. The mean of a flow over a side of the cell is its value at the middle of the side plus
+ * a term with its curvature (README.md, Cross fluxes). */
 static void add_cross_fluxes(reynolds_row *row, const ehd_grid *grid, double entrainment,
                              const row_nodes *at) {
     const double scale = 1 / (grid->step * grid->step), across = flow_across(&grid->shape);
@@ -714,8 +717,8 @@ static void add_accurate_row(reynolds_row *row, half_flux *ahead, bool known, co
 
 // ---- rows
 
-/* Checks whether the half node between BACK and HERE lies between HERE and AHEAD of the row
- * before. */
+/* Checks whether the half node between BACK and HERE of this row is the half node between HERE and
+ * AHEAD of the row before. */
 static bool follows(const reynolds_stencil *stencil, const reynolds_stencil *before) {
     return before->node[NODE_HERE] == stencil->node[NODE_BACK] &&
            before->node[NODE_AHEAD] == stencil->node[NODE_HERE];
@@ -770,8 +773,8 @@ reynolds_link reynolds_link_ahead(const reynolds_stencil *stencil, const reynold
 
 // ---- error bound of thinned flows
 
-/* Pressure flow times the step, by the central difference between two nodes of a stencil, and the
- * square of the Eyring gradient Sigma. */
+/* Pressure flow times the step, computed from the central difference between two nodes of a
+ * stencil, and the square of the Eyring gradient Sigma. */
 typedef struct nodal_flow {
     double flow, square;
 } nodal_flow;

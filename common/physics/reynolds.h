@@ -14,9 +14,9 @@
 #include <stddef.h>
 
 /* Nodes of a row's stencil, named along the direction of entrainment. Only point contacts and
- * ellipses have nodes across this direction. The published discretisation has none of BACK3,
- * AHEAD2, LEFT2 and RIGHT2. Only the discretisation with cross fluxes has the last four, which lie
- * beside the nodes before and behind. */
+ * ellipses have nodes across this direction. The published discretisation does not use BACK3,
+ * AHEAD2, LEFT2 and RIGHT2. Only the discretisation with cross fluxes uses the last four nodes,
+ * which lie to the left and right of BACK and AHEAD. */
 enum {
     NODE_BACK3,
     NODE_BACK2,
@@ -55,8 +55,8 @@ typedef struct reynolds_fluid {
     double *log_mobility;   // ln mobility up to a constant; NULL in the published discretisation
     double *density;        // NULL when incompressible
     double *density_slope;
-    // contact whose viscosity law is also evaluated between two nodes; NULL: the mean of the nodes
-    // is enough
+    // contact whose viscosity law is also evaluated half way between two nodes; NULL: the mean of
+    // both nodes is enough
     const ehd_contact *between;
     const ehd_contact *thinned; // contact whose flow an Eyring fluid thins; NULL: not thinned
     // rate N of the Eyring fluid (eyring_flow.h) at H = 1 and rho / mobility = 1
@@ -79,18 +79,19 @@ reynolds_fluid reynolds_fluid_from(const reynolds_fluid *fluid, size_t first_nod
 /* The BDF time derivative of rho H at the nodes of the rows: rate * rho H + previous. */
 typedef struct reynolds_squeeze {
     double rate; // 1 / dimensionless time
-    // [num_rows] weighted sum of rho H at previous time levels, in the current frame
+    // [num_rows] weighted sum of rho H at previous time levels, in the current scales of the
+    // contact
     const double *previous;
 } reynolds_squeeze;
 
-/* Returns how many of the first entries a stencil of this discretisation can use. All later
- * entries are NO_NODE. */
+/* Returns the number of entries, from the first on, that a stencil of this discretisation can use.
+ * All later entries are NO_NODE. */
 static inline int reynolds_stencil_size(const ehd_grid *grid) {
     return grid->discretization == DISCRETIZATION_CROSS_FLUX ? NUM_STENCIL : NUM_CROSS_STENCIL;
 }
 
-/* Return how many nodes a stencil extends back along the entrainment, and how many ahead and
- * across. */
+/* Return how many nodes a stencil extends back along the entrainment, and how many nodes it extends
+ * ahead and across. */
 size_t reynolds_reach_back(const ehd_grid *grid);
 size_t reynolds_reach_ahead(const ehd_grid *grid);
 
@@ -126,9 +127,9 @@ void reynolds_rows(
 
 /* Returns the largest error bound of the thinned rows of a point contact or ellipse upstream of the
  * centre, where the film forms. The bound is relative to the larger of the entrained flow and the
- * pressure flow. Rows along the entrainment neglect the gradient across, and rows across neglect
- * the gradient along (README.md, thinned flow). Returns 0 where rows are exact, as in line
- * contacts. */
+ * pressure flow. The thinning of the flow along the entrainment neglects the pressure gradient
+ * across, and the thinning of the flow across neglects the gradient along (README.md, thinned
+ * flow). Returns 0 if the rows are exact, as in line contacts. */
 double reynolds_flow_doubt(const ehd_contact *contact,
                            const reynolds_stencil *stencils, // [num_rows]
                            const size_t *node,               // [num_rows] of the grid
@@ -140,7 +141,7 @@ double reynolds_flow_doubt(const ehd_contact *contact,
 extern const char flow_doubt_reason[];
 
 /* Returns the flux U rho H - eps dP/dx along the entrainment through the half node between BACK and
- * HERE of a stencil, as residual, and its derivatives. */
+ * HERE of a stencil. The member `residual` holds the flux, the other members its derivatives. */
 reynolds_row reynolds_flux(const ehd_grid *grid, double entrainment,
                            const reynolds_stencil *stencil, const reynolds_fluid *fluid,
                            const double *pressure, const double *film);
@@ -152,9 +153,9 @@ reynolds_row reynolds_flux(const ehd_grid *grid, double entrainment,
  * is used too, and the change is of fourth order in the pressure difference. */
 typedef struct reynolds_link {
     double value, by_before, by_after; // derivatives by the pressures
-    // derivatives for a thinned flow, else 0: by the film at the half node, and by the logarithm of
-    // the gradient between the nodes. by_before and by_after of a whole link include the derivative
-    // by the gradient
+    // derivatives for a thinned flow, otherwise 0: by the film at the half node, and by the
+    // logarithm of the gradient between the nodes. In a finished link, by_before and by_after
+    // already include the effect of the gradient
     double by_film, by_gradient;
 } reynolds_link;
 

@@ -20,7 +20,8 @@ static double slope_of(const ehd_contact *contact) {
     return contact->half_width / contact->radius;
 }
 
-/* Returns tau/p_H of a Newtonian fluid. `viscosity` is relative to that at zero pressure. */
+/* Returns tau/p_H of a Newtonian fluid. `viscosity` is relative to the viscosity at zero
+ * pressure. */
 static double viscous_stress(const ehd_contact *contact, double viscosity, double film) {
     return contact->lambda / 12 * slope_of(contact) * contact->slide_roll * contact->far_speed *
            viscosity / film;
@@ -36,15 +37,17 @@ double contact_shear_stress(const ehd_contact *contact, double pressure, double 
     const double eyring = contact->lubricant.thinning_stress / contact->hertz_pressure;
     const eyring_gradient of =
         eyring_gradient_of(fabs(traction_thinning(contact).gradient * film * gradient));
-    // Newtonian stress of the sliding at this pressure, which the gradient then reduces
+    // Newtonian stress due to sliding at this pressure; eyring_stress includes the effect of the
+    // gradient
     const double newtonian = lubricant_viscous_stress(&contact->lubricant, contact->hertz_pressure,
                                                       fabs(viscous), pressure);
     return copysign(eyring * eyring_stress(&of, newtonian / eyring), viscous);
 }
 
-/* Distance of the difference quotients: of the pressure in Hertz pressures, of the film relative
- * to the film, and of the gradient. With 1e-5 the error of the derivatives of the friction is
- * 1e-6 (`limiting` law), with 1e-4 it is 6e-5 (test_traction.c, slopes_are_those_of_the_laws). */
+/* Distance of the difference quotients: change of the pressure in Hertz pressures, change of the
+ * film relative to the film, and change of the gradient dP/dX. Error of the derivatives of the
+ * friction (`limiting` law): 1e-6 with a distance of 1e-5, and 6e-5 with a distance of 1e-4
+ * (test_traction.c, slopes_are_those_of_the_laws). */
 static const double DISTANCE = 1e-5;
 
 stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure, double film,
@@ -88,15 +91,17 @@ double contact_traction_behind(const ehd_contact *contact, const ehd_grid *grid,
 
 // ---- beyond the grid
 
-/* Returns H far upstream of a line contact, with the deflection by the whole load at X = 0. */
+/* Returns H far upstream of a line contact, with the deflection that the whole load causes at X =
+ * 0. */
 static double film_before_line(const contact_scalars *scalars, double distance) {
     return scalars->rigid_approach + distance * distance / 2 - scalars->load / 2 * log(distance);
 }
 
-/* Returns the integrals from the boundary node to infinity, with the variable s = first/X and the
- * viscosity without pressure: dP/dX = lambda U (H - H_e)/H^3. H_e, the film that the flow carries,
- * is taken as the central film. The error of H_e is up to a fifth, and its effect H_e/X^2 times as
- * large. P falls with X^-3, so P is a third of |X dP/dX|. */
+/* Returns the integrals from the boundary node to infinity. The variable of integration is s =
+ * first/X. The viscosity is the viscosity at zero pressure, so that dP/dX = lambda U (H - H_e)/H^3.
+ * H_e is the flow divided by U, and is taken as the central film. The error of H_e is up to a
+ * fifth. Its effect on the integrals is this error times H_e/X^2. P falls with X^-3, so P is a
+ * third of |X dP/dX|. */
 static traction_sums beyond_line(const ehd_contact *contact, const contact_scalars *scalars) {
     const ehd_grid *grid = &contact->grid;
     const bool backwards = contact->entrainment < 0;
@@ -187,7 +192,8 @@ contact_traction contact_traction_of(const ehd_contact *contact, const double *p
     return contact_traction_from(contact, &sums, scalars->load);
 }
 
-/* Returns the pressure at a node; at a boundary node the pressure of the far field. */
+/* Returns the pressure at a node. If the grid has a far field, its pressure is returned at boundary
+ * nodes. */
 static double pressure_at(const ehd_contact *contact, const double *pressure, double rigid_approach,
                           size_t node) {
     const ehd_grid *grid = &contact->grid;
@@ -202,7 +208,8 @@ void contact_surface_stresses(double *on_1, double *on_2, const ehd_contact *con
     const ehd_grid *grid = &contact->grid;
     ehd_contact around = *contact;
 
-    // far_speed may be set only to scale the sliding of the contact
+    // the far field needs the entrainment, and far_speed may have been set only to scale the
+    // sliding
     around.far_speed = contact->entrainment;
     for (size_t k = 0; k < grid->num_nodes; k++)
         on_1[k] = on_2[k] = 0;

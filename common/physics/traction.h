@@ -12,15 +12,16 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Traction of a contact in its own frame. Forces are divided by the frame's reference load p_H a^d
- * kind->load, stresses by its Hertz pressure. */
+/* Traction of a contact, in the scales of the contact. Forces are divided by the reference load p_H
+ * a^d kind->load, where d is kind->dimensions. Stresses are divided by the Hertz pressure. */
 typedef struct contact_traction {
     double coefficient;        // friction over the load
-    double friction;           // int tau dA: on surface 2 along X, on surface 1 against X
-    double rolling_resistance; // 1/2 int h dp/dx dA: on either surface, against X
-    double rolling_moment;     // -int p x dA over a: moment of the pressures, against the rolling
-    double power;              // power input of both surfaces, over the product of load and speed
-                               // at far_speed 1
+    double friction;           // int tau dA: force on surface 2 along X, and on surface 1 against X
+    double rolling_resistance; // 1/2 int h dp/dx dA: force on either surface, against X
+    double rolling_moment;     // -int p x dA over a: moment of the pressure, which opposes the
+                               // rolling
+    double power;              // power input of both surfaces, divided by the product of the load
+                               // and the speed at far_speed = 1
     double mean_stress;        // mean of |tau| over the dry contact
     double largest_stress;     // largest |tau|
 } contact_traction;
@@ -38,16 +39,17 @@ contact_traction contact_traction_unknown(void);
 double contact_shear_stress(const ehd_contact *contact, double pressure, double film,
                             double gradient);
 
-/* Derivatives of contact_shear_stress, by differences for any law. The derivatives are accurate to
- * 1e-5 where the law is smooth. */
+/* Derivatives of contact_shear_stress, computed by difference quotients for any law. The
+ * derivatives are accurate to 1e-5 where the law is smooth. */
 typedef struct stress_slopes {
     double by_pressure, by_film, by_gradient;
 } stress_slopes;
 stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure, double film,
                                     double gradient);
 
-/* Numbers that determine how an Eyring fluid thins the flow. Otherwise the flow depends only on M,
- * the Hertz pressure and the lubricant. Both numbers are 0 if the flow is not thinned. */
+/* Numbers that determine how an Eyring fluid thins the flow. Apart from these numbers the flow
+ * depends only on M, the Hertz pressure and the lubricant. Both numbers are 0 if the flow is not
+ * thinned. */
 typedef struct flow_thinning {
     // Newtonian shear stress of the sliding over Eyring's stress, with the viscosity at zero
     // pressure and H = 1
@@ -67,26 +69,27 @@ typedef struct traction_sums {
     double mean_stress, largest_stress; // as in contact_traction
 } traction_sums;
 contact_traction contact_traction_from(const ehd_contact *contact, const traction_sums *sums,
-                                       double load); // over the frame's reference load
+                                       double load); // over the reference load
 
-/* Returns the friction and rolling from beyond the grid. Before a line contact they are integrals
- * to minus infinity, around a point contact or ellipse far_field_traction (README.md, traction
- * beyond the grid). */
+/* Returns the parts of friction and rolling beyond the grid. For a line contact they are integrals
+ * from the grid to minus infinity. For a point contact or an ellipse they are the result of
+ * far_field_traction (README.md, traction beyond the grid). */
 traction_sums
 contact_traction_beyond(const ehd_contact *contact,
                         const contact_scalars *scalars); // approach, load, central film
 
-/* Returns int tau dX from the last node with pressure of a line to the exit, less the half cell
- * behind that node. At the exit the pressure is zero. If the exit is not within the cell (NaN: not
- * known), the integral goes to the next node. */
+/* Returns int tau dX from the last node with pressure of a line to the exit, minus the half cell
+ * behind that node, which the sum over the nodes contains already. At the exit the pressure is
+ * zero. If the exit is not between this node and the next node, or not known (NaN), the integral
+ * goes to the next node. */
 double contact_traction_behind(const ehd_contact *contact, const ehd_grid *grid, size_t node,
                                double stress,        // at the node
                                const double film[2], // at the node and at the next one
                                double exit);         // X
 
-/* Computes the traction from pressure and film at the nodes of the contact's grid, where there is
- * pressure, and adds the part beyond the grid. Behind the last node with pressure the integral goes
- * on to the exit of a line contact, else to the next node. */
+/* Computes the traction from pressure and film at the nodes of the contact's grid that have
+ * pressure, and adds the part beyond the grid. Behind the last node with pressure the integral
+ * continues to the exit of a line contact, and to the next node otherwise. */
 contact_traction
 contact_traction_of(const ehd_contact *contact,
                     const double *pressure,          // [num_nodes]
@@ -95,8 +98,8 @@ contact_traction_of(const ehd_contact *contact,
                                                      // central film and exit
 
 /* Computes the stress of the fluid on each surface along X, over p_H: -tau - h/2 dp/dx and tau -
- * h/2 dp/dx. Both stresses are 0 where there is no pressure. At boundary nodes the pressure is that
- * of the far field. */
+ * h/2 dp/dx. Both stresses are 0 where there is no pressure. At boundary nodes the pressure of the
+ * far field is used. */
 void contact_surface_stresses(
     // output:
     double *on_1, double *on_2, // [num_nodes]

@@ -10,7 +10,8 @@ const char traction_formula_source[] = "Evans and Johnson, Proc. IMechE C 200, 1
 const double TRACTION_MIN_EXCESS = 100;
 
 double hertz_mean_pressure(const contact_kind *kind) {
-    return kind->load / (kind->dimensions > 1 ? M_PI : 2); // area and length of the dry contact
+    return kind->load / (kind->dimensions > 1 ? M_PI : 2); // area (point) or length (line) of the
+                                                           // dry contact
 }
 
 traction_estimate traction_at_mean_pressure(const ehd_contact *contact, double film,

@@ -24,8 +24,8 @@ static ehd_status check_alpha(double alpha, ehd_error *error) {
 }
 
 /* Parameters of Barus and of Roelands, in this order. If a temperature is given, eta0, alpha and
- * the coefficient hold at the reference temperature. Otherwise they hold for the lubricant as it
- * is. */
+ * the coefficient hold at the reference temperature. Otherwise they hold at the temperature of the
+ * lubricant, which the scene does not give. */
 enum { OIL_ALPHA, OIL_ETA0, OIL_TEMPERATURE, OIL_REFERENCE, OIL_COEFFICIENT };
 
 #define ETA0(need)                                                                                 \
@@ -61,8 +61,8 @@ static ehd_status lacks_with_temperature(const char *key, ehd_error *error) {
                     key);
 }
 
-/* Checks that a temperature is given together with a reference temperature, a coefficient and eta0,
- * and a reference temperature only together with a temperature. */
+/* Checks that a temperature is given together with a reference temperature, a coefficient and eta0.
+ * A reference temperature may be given only together with a temperature. */
 static ehd_status check_temperature(const law_value *values, ehd_error *error) {
     const bool reference = !isnan(values[OIL_REFERENCE].number);
 
@@ -121,8 +121,8 @@ const lubricant_law viscosity_barus = {.name = "barus",
                                        .evaluate = barus,
                                        .exponential = true};
 
-// ---- Roelands: ln eta = (ln eta0 + 9.67) [(1 + p/1.96e8)^z - 1]. The temperature brings the
-// factor ((T - 138)/(T_ref - 138))^-S0 on ln eta0 + 9.67 (README.md, Temperature).
+// ---- Roelands: ln eta = (ln eta0 + 9.67) [(1 + p/1.96e8)^z - 1]. At a temperature T, ln eta0 +
+// 9.67 is multiplied by ((T - 138)/(T_ref - 138))^-S0 (README.md, Temperature).
 
 // Source: Roelands, 1966. ICE_POINT is 0 degrees Celsius.
 static const double ROELANDS_PRESSURE = 1.96e8; // Pa
@@ -141,8 +141,8 @@ static double roelands(const ehd_lubricant *self, double pressure, double *deriv
 }
 
 /* Changes ln eta0 + 9.67 from its value at the reference temperature to its value at the
- * temperature. The exponent of the pressure stays. alpha is proportional to the product of this
- * number and the exponent, so it changes by the same factor. */
+ * temperature. The exponent z of the pressure stays the same. alpha is proportional to (ln eta0 +
+ * 9.67) z, so alpha changes by the same factor. */
 static void roelands_set_temperature(ehd_lubricant *self, const law_value *values) {
     const double coefficient = values[OIL_COEFFICIENT].number;
     const double ratio = self->viscosity_constants[ROELANDS_RATIO];
@@ -164,7 +164,7 @@ static ehd_status roelands_prepare(ehd_lubricant *self, const law_value *values,
 
     if (!status) status = check_temperature(values, error);
     if (status) return status;
-    // eta0 above the Roelands pole viscosity 6.31e-5 Pa s, else ln eta0 + 9.67 is not positive
+    // eta0 must exceed Roelands' pole viscosity of 6.31e-5 Pa s, so that ln eta0 + 9.67 is positive
     if (!(eta0 > 6.4e-5 && isfinite(eta0)))
         return ehd_fail(error, EHD_DATA,
                         "lubricant.viscosity.eta0: found %g, expected > 6.4e-5 Pa s", eta0);
@@ -244,9 +244,9 @@ static double wlf(const ehd_lubricant *self, double pressure, double *derivative
     return wlf_log_absolute(constants, pressure, derivative) - constants[WLF_LOG_AT_ZERO];
 }
 
-/* Returns the largest pressure at which the law holds, to 1e-9 of it. The viscosity turns over
- * where y stops falling, or has a pole where C2 + y reaches zero. The limit is the smaller of these
- * two pressures, or 100 GPa if both are larger. */
+/* Returns the largest pressure at which the law holds, with a relative accuracy of 1e-9. The
+ * viscosity has a maximum where y stops falling, and a pole where C2 + y reaches zero. The limit is
+ * the smaller of these two pressures, or 100 GPa if both are larger. */
 static double wlf_pressure_limit(const double *constants) {
     // Step of the search, Pa. With steps from 1e5 to 1e8 the limits are the published ones
     // (test_lubricant.c, wlf_coefficients_and_limits).
@@ -284,12 +284,13 @@ static double gauss_kronrod(ehd_lubricant *self, double left, double right) {
     return integral;
 }
 
-/* Integrates eta0/eta from 0 to `end`, in octaves, because eta0/eta may decay within a pressure of
- * any size. GSL's adaptive rules would end the process if they did not converge or got no
- * memory. */
+/* Integrates eta0/eta from 0 to `end`. The intervals double in length (octaves), because the
+ * pressure at which eta0/eta has decayed may be of any size. GSL's adaptive rules would end the
+ * process if they did not converge or got no memory. */
 static double integrate_inverse_viscosity(ehd_lubricant *self, double end) {
-    // Number of octaves. 40 octaves leave 1e-12 of the range. With each octave halved once alpha
-    // of the published oils is the same (test_lubricant.c, alpha_is_the_integral_of_fluidity).
+    // Number of octaves. With 40 octaves the first interval is 1e-12 of the range. If each octave
+    // is halved, alpha of the published oils stays the same (test_lubricant.c,
+    // alpha_is_the_integral_of_fluidity).
     enum { NUM_OCTAVES = 40 };
     double sum = gauss_kronrod(self, 0, ldexp(end, -NUM_OCTAVES));
 
@@ -299,7 +300,7 @@ static double integrate_inverse_viscosity(ehd_lubricant *self, double end) {
 }
 
 /* Sets alpha to the reciprocal asymptotic isoviscous pressure coefficient, alpha* = 1/int eta0/eta
- * dp, to 3 GPa or the limit of the law. */
+ * dp. The integral ends at 3 GPa, or at the limit of the law if that is smaller. */
 static ehd_status wlf_reciprocal_coefficient(ehd_lubricant *self, ehd_error *error) {
     const double integral = integrate_inverse_viscosity(self, fmin(3e9, self->pressure_limit));
 
@@ -311,7 +312,7 @@ static ehd_status wlf_reciprocal_coefficient(ehd_lubricant *self, ehd_error *err
     return EHD_OK;
 }
 
-/* Fills in the constants of Table 1, given one by one or by their preset. */
+/* Fills in the constants of Table 1, which are given one by one or by a preset. */
 static ehd_status wlf_set_constants(double *constants, const law_value *values, ehd_error *error) {
     const char *name = values[WLF_PRESET].word;
     size_t preset = 0;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Allocates arrays whose size is a product that may overflow, for example of lengths read from a
- * file. Frees arrays together: an object with many arrays takes all of them from one arena. It
- * checks once whether memory was refused, and frees all arrays by one call. */
+ * file. An arena is a group of arrays that are freed together: an object with many arrays takes all
+ * of them from one arena, checks once whether memory was refused, and frees all arrays by one
+ * call. */
 #ifndef EHD_ARENA_H
 #define EHD_ARENA_H
 
@@ -20,7 +21,7 @@ typedef struct arena_block arena_block;
 /* Must be zero before its first use. */
 typedef struct arena {
     arena_block *last;
-    bool failed; // an array was refused since the arena was zero
+    bool failed; // memory for an array was refused since the arena was last zero
 } arena;
 
 /* Returns an array of `count` zeroed elements of `size` bytes, aligned for any type. The array is

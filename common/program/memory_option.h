@@ -9,8 +9,9 @@
  * `ulimit -v`, if this limit is lower. The other half is for the files that are read. */
 double memory_option_default(void);
 
-/* Reads a size such as "2G", "500M" or "1.5G" into *member, a double, in bytes. The function is a
- * `read` of program_option. EHD_USAGE: the argument is not a number above 0 with K, M, G or T. */
+/* Reads a size such as "2G", "500M" or "1.5G" into *member, a double, in bytes. The function can be
+ * the member `read` of a program_option. EHD_USAGE: the argument is not a number above 0 with K, M,
+ * G or T. */
 ehd_status memory_option_read(void *member, const char *argument, ehd_error *error);
 
 #endif

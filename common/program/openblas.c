@@ -25,7 +25,8 @@ static bool has_avx2(void) {
 }
 #endif
 
-// Functions of OpenBLAS that take and give back one buffer. OpenBLAS keeps it for later calls.
+// Functions of OpenBLAS that take and give back one buffer. OpenBLAS keeps a returned buffer for
+// later calls.
 void *blas_memory_alloc(int unused);
 void blas_memory_free(void *buffer);
 
@@ -73,13 +74,14 @@ static void check_room_while_loaded(void) {
 
 /* Replaces the C library's getenv in the programs. Two variables of OpenBLAS differ:
  * - OPENBLAS_NUM_THREADS is 1, whatever the user has set. The programs' own threads are enough.
- *   More threads only slow down small matrices, and where memory is limited they wait for it
- *   without end. Debian's OpenBLAS without threads is no alternative: it has no lock around its
- *   work space. Of 2 million small products in each of four threads, one product in 200 was wrong.
+ *   More threads only slow down work on small matrices. If memory is limited, these threads wait
+ *   for memory without end. Debian's OpenBLAS without threads is no alternative: it has no lock
+ *   around its work space. Of 2 million small products in each of four threads, one product in 200
+ *   was wrong.
  * - OPENBLAS_CORETYPE is Haswell if the user has set none and the processor has AVX2. OpenBLAS
- *   0.3.21 takes an Intel processor later than itself for a Prescott of 2004, and then has a
- *   quarter of the speed. The environment itself stays as it is, so that programs started from here
- *   choose for the processor on which they run. */
+ *   0.3.21 treats an Intel processor that is newer than this version like a Prescott of 2004, and
+ *   then runs at a quarter of the speed. The environment itself does not change, so that programs
+ *   started by this program choose for their own processor. */
 char *getenv(const char *name) {
     static char one_thread[] = "1", haswell[] = "Haswell";
     const size_t length = strlen(name);

@@ -12,8 +12,8 @@ enum { OPENBLAS_BUFFER_MB = 128 };
  * if memory is refused. Returns the number of threads for which there is memory. */
 size_t openblas_take_buffers(size_t num_threads);
 
-/* Limits OpenBLAS to one thread in this process. A program that calls this function also links
- * getenv of openblas.c, with which OpenBLAS starts no threads at all. */
+/* Limits OpenBLAS to one thread in this process. A program that calls this function also links the
+ * function getenv of openblas.c, which keeps OpenBLAS from starting any threads. */
 void openblas_one_thread(void);
 
 #endif

@@ -129,7 +129,7 @@ ehd_status output_file_finish(output_file *self, ehd_error *error) {
         output_file_drop(self);
         return status;
     }
-    fclose(self->stream); // fsync has written all data
+    fclose(self->stream); // a failure loses nothing: fsync has written all data
     release(self);
     return EHD_OK;
 }

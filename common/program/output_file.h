@@ -12,14 +12,14 @@ typedef struct output_file {
     char *path, *partial;
 } output_file;
 
-/* Checks whether the output can be created; call it before the work. EHD_CANTCREATE: the name
- * exists and `force` is not set, it is no regular file, or its folder does not exist or is not
- * writable. EHD_MEMORY. */
+/* Checks whether the output can be created; call it before the work. EHD_CANTCREATE: a file of this
+ * name exists and `force` is not set; the existing file is no regular file; or the folder does not
+ * exist or is not writable. EHD_MEMORY. */
 ehd_status output_file_check(const char *path, bool force, ehd_error *error);
 
-/* Checks that the output is none of the inputs, whatever their names. `inputs` ends with NULL, or
- * is NULL for none. EHD_CANTCREATE: it is one of them. `force` replaces an earlier output, never a
- * file that the program reads. */
+/* Checks that the output is not the same file as an input, even if the names differ. `inputs` ends
+ * with NULL; NULL means no inputs. EHD_CANTCREATE: the output is an input. With `force` a program
+ * replaces an earlier output, but never a file that it reads. */
 ehd_status output_file_check_inputs(const char *path, const char *const *inputs, ehd_error *error);
 
 /* Checks the output like output_file_check, and starts PATH.partial anew. EHD_CANTCREATE also if
@@ -34,8 +34,8 @@ ehd_status output_file_create(
  * output_file_keep next. */
 ehd_status output_file_open(output_file *self, const char *path, bool force, ehd_error *error);
 
-/* Keeps the first `kept` bytes of PATH.partial; later writes follow them. EHD_IO: the file is left
- * as by output_file_leave. */
+/* Keeps the first `kept` bytes of PATH.partial; later writes follow them. EHD_IO: the function has
+ * then called output_file_leave. */
 ehd_status output_file_keep(output_file *self, size_t kept, ehd_error *error);
 
 /* Writes all data to the disk, gives the file its name, and frees `self`. EHD_IO: PATH.partial is

@@ -4,8 +4,8 @@
 #ifndef EHD_PROCESSOR_H
 #define EHD_PROCESSOR_H
 
-/* Marks functions that run before the check. They use only instructions of every x86-64
- * processor. */
+/* Marks functions that run before the check. Such functions use only instructions that every x86-64
+ * processor has. */
 #ifdef __x86_64__
 #define ON_ANY_PROCESSOR __attribute__((target("arch=x86-64")))
 #else
@@ -17,7 +17,8 @@
 const char *processor_refusal(void);
 
 /* Ends a program with the line of processor_refusal before main, if the build cannot run here. The
- * library does not contain this function: there ehdrom_model_open returns an error. */
+ * library does not contain this function; in a program that uses the library, ehdrom_model_open
+ * returns an error instead. */
 void processor_check(int argc, char **argv, char **environment);
 
 #endif

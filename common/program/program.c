@@ -24,7 +24,7 @@
 #include <time.h>
 #include <unistd.h>
 
-// defaults; the Makefile defines them
+// defaults for builds without the Makefile, which defines these macros
 #ifndef EHD_VERSION
 #define EHD_VERSION "0.0.0"
 #endif
@@ -169,9 +169,9 @@ void fftw_assertion_failed(const char *text, int line, const char *file) {
 #endif
 
 #ifndef HAS_SANITIZER
-/* Ends the process with a message after two kinds of crashes. HDF5 may crash when memory is
- * refused. A mapped file may be cut off, or become unreadable on the disk. Any other crash takes
- * the default action, which SA_RESETHAND restores. */
+/* Ends the process with a message after two kinds of crashes: HDF5 crashes when memory is refused,
+ * or a mapped file has been cut off or has become unreadable on the disk. After any other crash the
+ * default action follows, which SA_RESETHAND restores. */
 static void on_crash(int number, siginfo_t *info, void *unused) {
     (void)unused;
     if (number == SIGBUS && info->si_code == BUS_ADRERR) {
@@ -305,12 +305,12 @@ typedef struct parsing {
     void *own; // the program's own options
     bool help;
     bool version;
-    const char *mode_argument; // of the option that chose the mode; NULL: none
+    const char *mode_argument; // argument of the option that chose the mode; NULL: none
 } parsing;
 
 // ---- modes
 
-/* Chooses a mode. EHD_USAGE: the command line has chosen another one. */
+/* Chooses a mode. EHD_USAGE: the command line has already chosen another mode. */
 static ehd_status choose_mode(program *self, size_t mode, ehd_error *error) {
     const program_mode *modes = self->modes;
 
@@ -321,7 +321,8 @@ static ehd_status choose_mode(program *self, size_t mode, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Takes the word of a mode from the arguments, and appends the argument of the mode's option. */
+/* Removes the word of a mode from the arguments, and chooses this mode. Appends `last`, the
+ * argument of the option that chose the mode, if there is one. */
 static ehd_status take_mode(program *self, const char *last, ehd_error *error) {
     const program_mode *mode = self->modes;
     ehd_status status = EHD_OK;
@@ -379,7 +380,7 @@ static int key_of(const program_option *rows, size_t i) {
 
 enum { MAX_OWN = MAX_OPTIONS + MAX_PROGRAM_MODES + 1 };
 
-/* Fills the table of argp. Its help shows the options of the present mode. */
+/* Fills the table of options for argp. The help shows only options of the present mode. */
 static void make_own_options(struct argp_option own[MAX_OWN], const program *self) {
     const program_option *rows = self->options;
     size_t count = 0;
@@ -527,7 +528,7 @@ static char *base_name(char *path) {
     return slash ? slash + 1 : path;
 }
 
-/* Runs argp. Of its error message only the first line is kept, without the program's name. */
+/* Runs argp. Keeps only the first line of its error message, without the program's name. */
 static ehd_status run_argp(program *self, const struct argp *argp, char **arguments, parsing *input,
                            ehd_error *error) {
     const unsigned flags = ARGP_NO_HELP | ARGP_NO_EXIT;
@@ -554,7 +555,7 @@ static ehd_status run_argp(program *self, const struct argp *argp, char **argume
     return status;
 }
 
-/* Checks the number of arguments. The message names the first one that is missing. `by_option`: an
+/* Checks the number of arguments. The message names the first missing argument. `by_option`: an
  * option gave the last argument. */
 static ehd_status check_count(const program *self, const program_mode *mode, bool by_option,
                               ehd_error *error) {
@@ -594,7 +595,8 @@ static ehd_status check_arguments(const program *self, const program_mode *mode,
     return EHD_OK;
 }
 
-/* Prints the help of the mode. That of the mode without a word starts with all usages. */
+/* Prints the help of the mode. The help of the mode without a word starts with the usages of all
+ * modes. */
 static void print_help(const program *self, struct argp argp, void (*tail)(void)) {
     char *name = strdup(self->name), *usages = NULL;
     size_t size;
@@ -651,7 +653,8 @@ static ehd_status parse_arguments(program *self, const program_options *options,
         status = ehd_no_memory(error, "command line");
     } else {
         memcpy(arguments, self->argv, (size_t)self->argc * sizeof *arguments);
-        // getopt's errors start with the first argument, argp's with its last part
+        // errors of getopt start with argument 0, errors of argp with the last part of its path;
+        // now these are equal
         if (self->argc > 0) arguments[0] = base_name(self->argv[0]);
         status = run_argp(self, &argp, arguments, &input, error);
         if (!status) status = take_mode(self, input.mode_argument, error);
@@ -670,8 +673,9 @@ static ehd_status parse_arguments(program *self, const program_options *options,
     return *done ? EHD_OK : status;
 }
 
-/* Opens /dev/null for each standard file that is closed. Otherwise the next file to be opened would
- * take its place, and messages would be written into that file. Writes to these files fail. */
+/* Opens /dev/null for each standard file that is closed. Otherwise the next opened file would get
+ * the number of the standard file, and messages would be written into it. Here writes fail, because
+ * /dev/null is opened for reading. */
 static void fill_standard_files(void) {
     int file;
 
@@ -702,7 +706,7 @@ void program_start(program *self, int argc, char **argv, const program_options *
                           OPENBLAS_BUFFER_MB);
     if (status || done) {
         const int code = program_finish(self, status, &error);
-        // at exit OpenBLAS waits for its threads, which wait for memory as long as there is none
+        // at exit OpenBLAS would wait for its threads, and these threads wait until there is memory
         if (no_buffer) _exit(code);
         exit(code);
     }

@@ -29,7 +29,7 @@ static void show_time(char *shown, size_t size, double seconds, const char *what
         snprintf(shown, size, ", %.1f h%s", seconds / 3600, what);
 }
 
-/* Writes "; stage 1 of 5, about 3 min in all", the time only if it is known. */
+/* Writes "; stage 1 of 5, about 3 min in all", without the time if it is not known. */
 static void show_stage(char *shown, size_t size, const progress *self, double left) {
     const stage *here = &self->program->stage;
     const bool whole = !isnan(self->rest);

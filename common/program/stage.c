@@ -11,7 +11,8 @@
 
 enum { STAGE_NAME = 128 };
 
-/* Copies the name of a stage, counted from 1; empty: there is no such stage. */
+/* Copies the name of stage `number`, counted from 1. The name is empty if there is no such
+ * stage. */
 static void name_of(char name[STAGE_NAME], const stage *self, size_t number) {
     const char *rest = self->names;
     int length = 0;
@@ -59,7 +60,7 @@ void stage_next(stage *self, const char *last) {
 }
 
 typedef struct expectation {
-    double seconds; // NAN: not known
+    double seconds; // duration of the stage; NAN: the duration is not known
     int least;
 } expectation;
 
@@ -77,7 +78,8 @@ static expectation expected(const stage *self, size_t number) {
 }
 
 /* Rewrites the file with a new duration. If `last` is NULL, `seconds` is the duration of the
- * present stage. Otherwise the stages after it, up to `last`, take at least `seconds`. */
+ * present stage. Otherwise `seconds` is the least duration of each later stage of the name `last`
+ * (stage.h). */
 static void renew(const stage *self, const char *last, double seconds) {
     char name[STAGE_NAME], path[sizeof self->file + 32];
     FILE *file = NULL;

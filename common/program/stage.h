@@ -4,8 +4,8 @@
  *
  * The environment variable EHDROM_STAGES is FILE HERE NAME...: a file, the name of the present
  * stage, and the names of all stages in their order. FILE has a line "NAME SECONDS LEAST" for each
- * stage whose duration is known. SECONDS is the duration of the last run or, if LEAST is 1, a lower
- * bound. */
+ * stage whose duration is known. SECONDS is the duration of the stage in the last run. If LEAST is
+ * 1, SECONDS is a lower bound. */
 #ifndef EHD_STAGE_H
 #define EHD_STAGE_H
 
@@ -13,7 +13,8 @@
 #include <stddef.h>
 
 typedef struct stage {
-    const char *names; // names of all stages, in the variable; NULL: not in a pipeline
+    const char *names; // names of all stages, from the environment variable; NULL: the program does
+                       // not run in a pipeline
     char file[1024];
     size_t number, total; // number is from 1 to total
     double started;       // program_seconds at the start of the stage
@@ -25,17 +26,18 @@ stage stage_here(void);
 /* Stores the duration of the stage for the next run. */
 void stage_end(const stage *self);
 
-/* Goes on to the next stage, if its name is `last` or ends in "-" and `last`. This function is for
- * a program that runs several stages. */
+/* Goes on to the next stage, if the name of that stage is `last` or ends in "-" and `last`. This
+ * function is for a program that runs several stages. */
 void stage_next(stage *self, const char *last);
 
 /* Stores a lower bound in seconds for all later stages whose name is `last` or ends in "-" and
- * `last`. There is no error if the file cannot be written, because it is for progress alone. */
+ * `last`. There is no error if the file cannot be written, because only the display of progress
+ * uses the file. */
 void stage_expect(const stage *self, const char *last, double seconds);
 
 /* Returns the seconds left in all stages. `left` is the time left in the present stage. If `whole`,
- * the present stage then ends. Otherwise it lasts as long as expected, and at least `left`. NAN:
- * too little is known. */
+ * the present stage then ends. Otherwise the present stage lasts as long as expected, and at least
+ * `left`. Returns NAN if a duration is not known. */
 double stage_left(
     // output:
     bool *at_least, // true if some of the summed durations are lower bounds

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Outcomes shared by every function and program. A status value is also the exit code. */
+/* Outcomes that all functions and programs share. A status value is also the exit code. */
 #ifndef EHD_STATUS_H
 #define EHD_STATUS_H
 
 typedef enum ehd_status {
     EHD_OK = 0,
-    EHD_NOT_CONVERGED = 3, // a reported outcome: the answer is not to be used
+    EHD_NOT_CONVERGED = 3, // an outcome, no error, but the result must not be used
     EHD_UNTRUSTED = 4,     // solved, but outside of the range for which the model was made or
                            // checked
     EHD_USAGE = 64,        // wrong command line (sysexits.h from here on)
@@ -22,7 +22,7 @@ typedef struct ehd_error {
     char text[1024]; // one line "object: found X, expected Y", no newline, no program name
 } ehd_error;
 
-/* Writes the text (printf-style) into *error, which may be NULL, and returns `status`, for checks:
+/* Writes the text (printf-style) into *error, which may be NULL, and returns `status`. Example:
  * if (bad) return ehd_fail(error, EHD_DATA, "grid.step: found %g, expected > 0", step); */
 ehd_status ehd_fail(
     // output:

@@ -12,7 +12,7 @@ typedef struct team_member {
     pthread_t thread;
 } team_member;
 
-/* The work under way. */
+/* The work that the threads are doing. */
 typedef struct team_work {
     team_task *task;
     void *context;
@@ -23,9 +23,9 @@ struct team {
     pthread_mutex_t lock; // guards everything but `next`
     pthread_cond_t begun, ended;
     team_work work;
-    size_t num_works;      // works so far
-    bool open;             // whether there may be parts left
-    bool closing;          // the threads are to end
+    size_t num_works;      // pieces of work so far, one per call of team_share
+    bool open;             // parts of the work may be left
+    bool closing;          // the threads must end
     size_t num_active;     // threads at work
     atomic_size_t next;    // next part that no thread has taken
     size_t num_threads;    // threads besides the caller

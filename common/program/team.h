@@ -21,8 +21,9 @@ typedef struct team_part {
 typedef void team_task(void *context, const team_part *part);
 
 /* Creates a team of `num_members` threads, of which the caller is one. The team is smaller if no
- * more threads can be created. Returns NULL if one member is enough or there is no memory; all
- * functions take NULL for the caller alone. Waiting threads take no processor time. */
+ * more threads can be created. Returns NULL if one member is enough or there is no memory. If a
+ * function gets NULL as the team, the caller alone does the work. Waiting threads take no processor
+ * time. */
 team *team_create(size_t num_members);
 team *team_free(team *self); // accepts and returns NULL
 size_t team_size(const team *self);

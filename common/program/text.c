@@ -48,7 +48,7 @@ size_t text_character(const char *text) {
                                            : 0;
     for (size_t i = 1; i < length; i++)
         if ((byte[i] & 0xC0) != 0x80) return 0;
-    // overlong forms, surrogates and what lies beyond Unicode
+    // refuses overlong forms, surrogates and numbers beyond Unicode
     if ((byte[0] == 0xE0 && byte[1] < 0xA0) || (byte[0] == 0xED && byte[1] > 0x9F) ||
         (byte[0] == 0xF0 && byte[1] < 0x90) || (byte[0] == 0xF4 && byte[1] > 0x8F))
         return 0;
@@ -70,7 +70,7 @@ static bool is_printable(const char *text, size_t length) {
 void text_make_printable(char *text, const char *kept) {
     char *to = text;
     for (size_t length; *text; text += length) {
-        if (*text >= ' ' && *text < 0x7F) { // fast path: each step in time may have an error
+        if (*text >= ' ' && *text < 0x7F) { // fast path: each time step may have an error
             length = 1;
             *to++ = *text;
             continue;

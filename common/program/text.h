@@ -24,13 +24,14 @@ void text_show(char shown[SHOWN_TEXT], const char *text);
 /* Returns the number of bytes of the UTF-8 character that begins here; 0: there is none. */
 size_t text_character(const char *text);
 
-/* Makes foreign text printable, in place. Each control character ('\n' too, U+0080 to U+009F, line
- * separators and marks that change the direction of text) and each byte that is not UTF-8 becomes
- * '?'. The ASCII characters in `kept` stay. All errors and messages pass through this function. */
+/* Makes a text of unknown origin printable, in place. Each control character ('\n' too, U+0080 to
+ * U+009F, line separators and marks that change the direction of text) and each byte that is not
+ * UTF-8 becomes '?'. The ASCII characters in `kept` stay. All errors and messages pass through this
+ * function. */
 void text_make_printable(char *text, const char *kept);
 
-/* Reads a number by number_read within min..max (infinite: no bound). Otherwise returns `refusal`
- * (EHD_USAGE or EHD_DATA); `object` leads the message. */
+/* Reads a number like number_read, and checks that it lies within min..max (infinite: no bound). If
+ * it does not, returns `refusal` (EHD_USAGE or EHD_DATA). The message begins with `object`. */
 ehd_status parse_real(
     // output:
     double *value,

@@ -12,10 +12,10 @@
 static const char name_column[] = "name";
 
 struct case_list {
-    scene_source base; // has pointers to the paths below
+    scene_source base; // points to the paths below
     char *scene_path, *table_path;
     csv_file table;
-    const setting **rows; // [table.width] settings of the columns; NULL: the column of names
+    const setting **rows; // [table.width] setting of each column; NULL for the column `name`
     bool any;             // a row was found
 };
 

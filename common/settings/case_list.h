@@ -17,9 +17,9 @@ typedef struct case_texts {
     char **texts; // [case_list_num_columns]
 } case_texts;
 
-/* Opens a table of cases. The scene may lack settings that the table gives. The table is CSV, as
- * for `points` of a plan, and may have a column `name`. EHD_DATA, EHD_NOINPUT, EHD_IO, EHD_MEMORY.
- */
+/* Opens a table of cases. The scene may lack settings that the table gives. The table is a CSV file
+ * like the `points` of a plan, and may have a column `name`. Errors: EHD_DATA, EHD_NOINPUT, EHD_IO,
+ * EHD_MEMORY. */
 ehd_status case_list_open(
     // output:
     case_list **list, // free with case_list_free
@@ -27,8 +27,8 @@ ehd_status case_list_open(
     const char *scene_path, const char *table_path, const char *const *overrides,
     size_t num_overrides, ehd_error *error);
 
-/* Reads the next row; *found is false after the last one. EHD_DATA, with the line number: a row
- * that is wrong, or a table without rows. */
+/* Reads the next row; *found is false after the last row. Returns EHD_DATA for a malformed row,
+ * with the line number in the message, and for a table without rows. */
 ehd_status case_list_next(
     // output:
     case_texts *row, // free with case_texts_free, also after a failure
@@ -41,21 +41,22 @@ ehd_status case_list_rewind(case_list *list, ehd_error *error);
 
 void case_texts_free(case_texts *row);
 
-/* Makes the scene of a row, complete and valid. EHD_DATA, with the line number in the table. */
+/* Makes the complete and valid scene of a row. Returns EHD_DATA, with the line number in the table,
+ * if the row gives no valid scene. */
 ehd_status case_list_scene(scene *one, const case_list *list, const case_texts *row,
                            ehd_error *error);
 
-/* Puts the table's name and a line number in front of an error's text. EHD_DATA. */
+/* Puts the table's name and a line number in front of an error's text. Returns EHD_DATA. */
 ehd_status case_list_fail(const case_list *list, size_t line, ehd_error *error);
 
 /* Returns the number of columns. */
 size_t case_list_num_columns(const case_list *list);
-/* Returns the key of a column, in the order of the table: the full key even if the table has a
- * short key, or "name". */
+/* Returns the key of a column; `column` counts from 0 in the order of the table. This is the full
+ * key even if the table has a short key. The column of names has the key "name". */
 const char *case_list_key(const case_list *list, size_t column);
 
-/* Returns as text the settings of the scene that are given outside of the table; free with free().
- * NULL: no memory. */
+/* Returns the settings of the scene that are given outside of the table, as text. The caller frees
+ * the text with free(). Returns NULL if there is no memory. */
 char *case_list_settings(const case_list *list);
 
 void case_list_free(case_list *list);

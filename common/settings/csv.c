@@ -24,7 +24,7 @@ static ehd_status found_zero(const csv_file *self, size_t line, ehd_error *error
     return place_fail(error, (place){self->path, line}, "found a zero byte, expected text");
 }
 
-/* Appends the next line of the stream to the text. Without one, *found is false. */
+/* Appends the next line of the stream to the text. *found is false if there is no further line. */
 static ehd_status append_line(bool *found, csv_file *self, ehd_error *error) {
     const ssize_t length = getline(&self->line, &self->line_room, self->stream);
     *found = length > 0;
@@ -62,8 +62,9 @@ static csv_state state_after(csv_state state, char next, const char *separators)
     return next == '"' ? IN_QUOTES : strchr(" \t\r", next) ? FIELD_BEGINS : IN_FIELD;
 }
 
-/* Finds the end of the record that begins at `start`. *end becomes the index of its line break, or
- * of the end of the text. A quoted field may go on over several lines, which are read as needed. */
+/* Finds the end of the record that begins at `start`. *end becomes the index of the record's line
+ * break, or of the end of the text. A quoted field may span several lines; its lines are read as
+ * needed. */
 static ehd_status find_end(size_t *end, csv_file *self, size_t start, const char *separators,
                            ehd_error *error) {
     csv_state state = FIELD_BEGINS;
@@ -112,9 +113,9 @@ static ehd_status next_record(char **record, csv_file *self, const char *separat
     return status;
 }
 
-/* Removes the quotes around a field that starts with one, and halves doubled quotes within it.
- * Returns the end of the field: a separator or the end of the record. Any other quotes are left as
- * part of the field. */
+/* Removes the quotes around a field that starts with a quote, and replaces each doubled quote in
+ * the field by a single quote. Any other quotes are left as part of the field. Returns the end of
+ * the field: a separator or the end of the record. */
 static char *unquote(char *field, char separator) {
     const char stops[] = {separator, '\0'};
     char *from = field + 1, *to = field;
@@ -156,8 +157,8 @@ static int compare_names(const void *left, const void *right) {
     return strcmp(*(char *const *)left, *(char *const *)right);
 }
 
-/* Checks that no name comes twice. Several columns may have no name, because no name selects
- * them. */
+/* Checks that no two columns have the same name. Several columns may have no name, because no
+ * column is looked up by an empty name. */
 static ehd_status check_once(const csv_file *self, ehd_error *error) {
     char shown[SHOWN_TEXT], all[NAMES_TEXT];
     const char *again = NULL;
@@ -308,7 +309,8 @@ static int rank_of(const char *name, const char *const *names) {
     return rank;
 }
 
-/* Finds the index of a column; NO_COLUMN: an optional column is missing. */
+/* Finds the index of a column in the table. The index is NO_COLUMN if an optional column is
+ * missing. */
 static ehd_status find_column(int *place_of, const csv_file *self, const table_column *column,
                               ehd_error *error) {
     char shown[SHOWN_TEXT], all[NAMES_TEXT];

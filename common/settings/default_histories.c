@@ -138,8 +138,9 @@ static bool is_wanted(const default_histories *self, const choice *of) {
     return wanted;
 }
 
-/* Finds trajectory `number`. All trajectories of one quantity follow one another, and so do those
- * of one pair. Returns number + 1, or the number of all trajectories if that is less. */
+/* Finds trajectory `number`. The trajectories of one quantity are consecutive. The trajectories of
+ * one pair of quantities are consecutive, too. Returns number + 1, or the number of all
+ * trajectories if this number is less. */
 static size_t choose(choice *chosen, const default_histories *self, size_t number) {
     const size_t num = self->num_quantities;
     size_t count = 0;
@@ -193,7 +194,7 @@ static ehd_status assign_number(scene_source *source, const char *quantity, cons
     return assign(source, key, text, where, error);
 }
 
-/* Removes all histories from a scene. EHD_DATA: an override gives one. */
+/* Removes all histories from a scene. Returns EHD_DATA if an override gives a history. */
 static ehd_status clear(scene_source *source, place where, ehd_error *error) {
     static const char group[] = "transient.";
     scene none;
@@ -201,7 +202,7 @@ static ehd_status clear(scene_source *source, place where, ehd_error *error) {
     scene_defaults(&none);
     memcpy(source->values.transient.vary, none.transient.vary, sizeof none.transient.vary);
     for (const setting *row = scene_settings(); row->key; row++) {
-        // a dot in the name: a key of a history, not of the run
+        // the name has a dot for a key of a history, and none for a key of the run such as end_time
         const char *name = row->key + sizeof group - 1;
         if (strncmp(row->key, group, sizeof group - 1) != 0 || !strchr(name, '.')) continue;
         if (source_is_overridden(source, row))
@@ -215,7 +216,7 @@ static ehd_status clear(scene_source *source, place where, ehd_error *error) {
 
 static ehd_status apply_shape(scene_source *source, const default_histories *self, size_t i,
                               const shape *of, ehd_error *error) {
-    // settings of the law, in the order of first and second
+    // keys of the law that take `first` and `second`
     static const char *const names[NUM_KINDS][2] = {
         [SINE] = {"period", "phase"}, [RAMP] = {"start", "duration"}, [STEP] = {"at", NULL}};
     const char *quantity = vary_names[self->quantity[i]];

@@ -13,21 +13,21 @@ typedef struct default_histories {
     size_t num_quantities;
     int quantity[NUM_VARY]; // VARY_LOAD, ...
     double low[NUM_VARY], high[NUM_VARY];
-    bool chosen;   // the plan gives the kinds; else sines, ramps and the steps of the speed
+    bool chosen;   // the plan gives the kinds; else sines, ramps, and steps of the speed only
     bool kinds[3]; // sine, ramp, step
     place where;
 } default_histories;
 
-/* Reads `histories` of a group. EHD_DATA. */
+/* Reads `histories` of a group. Returns EHD_DATA for bad values. */
 ehd_status default_histories_read(default_histories *self, const tree_node *node, const char *path,
                                   ehd_error *error);
 
 /* Returns the number of trajectories; 0 without any quantity. */
 size_t default_histories_count(const default_histories *self);
 
-/* Sets the histories of a scene to trajectory `number`; nothing else in the scene varies. The scene
- * ends at T = 2.5 unless an override gives the end. EHD_DATA: a bad value, another regime than
- * transient, or an override of a history. */
+/* Replaces all histories of a scene by the histories of trajectory `number`. The run ends at T =
+ * 2.5 unless an override gives the end. Returns EHD_DATA for a bad value, for a regime other than
+ * transient, and for an override of a history. */
 ehd_status default_histories_apply(const default_histories *self, size_t number,
                                    scene_source *source, ehd_error *error);
 

@@ -14,11 +14,11 @@ typedef struct part_list {
     char *paths[MAX_PARTS]; // paths of models
 } part_list;
 
-/* Checks whether a file is a list by its name, which ends with ".yml" or ".yaml". */
+/* Checks whether a file is a list of models: the name of a list ends with ".yml" or ".yaml". */
 bool part_list_is(const char *path);
 
-/* Reads a list. Any other file becomes a list of that file alone. EHD_NOINPUT, EHD_IO, EHD_DATA,
- * EHD_MEMORY. */
+/* Reads a list of models. If the file is not a list, the result is a list with this file alone.
+ * Errors: EHD_NOINPUT, EHD_IO, EHD_DATA, EHD_MEMORY. */
 ehd_status part_list_read(
     // output:
     part_list *self, // free with part_list_free, also after a failure

@@ -8,7 +8,7 @@
 
 typedef struct place {
     const char *file; // or "--set"; NULL when unknown
-    size_t line;      // line number, from 1; 0: unknown
+    size_t line;      // line number, from 1; 0: the line is not known
 } place;
 
 /* Fails like ehd_fail with EHD_DATA. Writes "file:line: " before the text, as far as known. */

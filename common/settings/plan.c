@@ -23,7 +23,8 @@ static place place_in(const plan_reader *self, const tree_node *node) {
     return (place){self->path, node->line};
 }
 
-/* Checks that a node is a map with no other keys than `keys`, which ends with NULL. EHD_DATA. */
+/* Checks that a node is a map and that all its keys are in `keys`, which ends with NULL. Returns
+ * EHD_DATA otherwise. */
 static ehd_status check_keys(const plan_reader *self, const tree_node *map, const char *what,
                              const char *const *keys, const char *expected) {
     char shown[SHOWN_TEXT];
@@ -44,8 +45,8 @@ static ehd_status check_keys(const plan_reader *self, const tree_node *map, cons
 
 // ---- the base scene of a group
 
-/* Reads the base scene of a group. If this is a file, `scene_path` receives the name of the file;
- * the base keeps a pointer to it. */
+/* Reads the base scene of a group, which the plan gives as a file or as a map. If it is a file,
+ * `scene_path` receives its name; `base` keeps a pointer to this name. */
 static ehd_status read_base(const plan_reader *self, scene_source *base, char **scene_path,
                             const tree_node *node) {
     char shown[SHOWN_TEXT];
@@ -118,7 +119,7 @@ static ehd_status read_where(const plan_reader *self, const tree_node *where, pl
 
 // ---- the points of a group
 
-/* Adds the values of a point to its error message. */
+/* Adds the values of a point to the error message about the point. */
 static ehd_status fail_at_point(const plan_reader *self, const variation *varied, size_t point,
                                 ehd_status status) {
     char values[256];

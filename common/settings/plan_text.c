@@ -8,8 +8,8 @@
 
 // ---- writing
 
-/* Prints the settings in which a point differs from the one before. If `before` is NULL, prints all
- * settings that are given. */
+/* Prints the settings in which a point differs from the point before. If `before` is NULL, prints
+ * all settings that are given. */
 static void print_changes(FILE *stream, const scene *now, const scene *before) {
     for (const setting *row = scene_settings(); row->key; row++) {
         const bool given = setting_is_given(row, now);
@@ -63,15 +63,15 @@ ehd_status plan_write_text(plan *of, const char *path, ehd_error *error) {
 /* A plan while its text is read. */
 typedef struct text_reader {
     plan *plan;
-    place where; // place of the present line
-    scene scene; // values of the present point so far
-    // group of the next point; number of points that there is memory for
+    place where; // location of the current line
+    scene scene; // values of the current point so far
+    // group of the next point; number of points that the allocated memory can hold
     size_t group, room;
     ehd_error *error;
 } text_reader;
 
-/* Reads one pair of bounds, ", KEY from LOWEST to HIGHEST". Returns its length; 0: the text is
- * something else. */
+/* Reads one pair of bounds, ", KEY from LOWEST to HIGHEST". Returns the length of this text, or 0
+ * if the text has another form. */
 static int read_bounds(plan_where *where, const char *text) {
     char key[16];
     double bounds[2];
@@ -85,7 +85,7 @@ static int read_bounds(plan_where *where, const char *text) {
     return length;
 }
 
-/* Reads "# group N" and its bounds, at least one pair. */
+/* Reads a line "# group N" with at least one pair of bounds. */
 static ehd_status read_group(text_reader *self, const char *line) {
     plan *of = self->plan;
     plan_where found = plan_anywhere();
@@ -129,7 +129,7 @@ static ehd_status read_point(text_reader *self) {
     return EHD_OK;
 }
 
-/* Removes the quotes of setting_print. */
+/* Removes the quotes that setting_print puts around a value. */
 static void unquote(char *value) {
     const size_t length = strlen(value);
     if (length < 2 || *value != '\'' || value[length - 1] != '\'') return;

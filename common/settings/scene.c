@@ -13,7 +13,7 @@ static const char override_name[] = "--set";
 // ---- defaults
 
 static void fill_default(scene *of, const setting *row) {
-    // cannot fail: a unit test checks the defaults of the table
+    // setting_assign cannot fail here: a unit test checks the defaults of the table
     if (row->default_value && !setting_is_given(row, of) && !setting_unmet(row, of))
         setting_assign(of, row, row->default_value, (place){0}, NULL);
 }
@@ -26,7 +26,7 @@ void scene_defaults(scene *of) {
     }
 }
 
-/* Fills in the defaults that the chosen law has itself. */
+/* Fills in the defaults that the chosen law has for its own parameters. */
 static void fill_law(scene *of, const law_group *group) {
     const lubricant_law *law = law_group_choice(group, of);
     char key[MAX_KEY];
@@ -44,12 +44,12 @@ static void fill_real(double *value, double default_value) {
     if (isnan(*value)) *value = default_value;
 }
 
-/* Checks whether the grid has several lines of nodes: that of a point contact or an ellipse. */
+/* Checks whether the grid has several lines of nodes, as for a point contact or an ellipse. */
 static bool has_lines(const scene *of) {
     return *of->contact && strcmp(of->contact, "line") != 0;
 }
 
-/* Fills in the grid of the paper, for any M and L. */
+/* Fills in the grid of the published method. It is the same for all M and L. */
 static void fill_published_grid(scene *of) {
     const bool point = has_lines(of);
 
@@ -66,7 +66,8 @@ static void fill_boundary(scene *of) {
         snprintf(of->boundary, sizeof of->boundary, "%s", published ? "zero" : "open");
 }
 
-/* Fills in the transport of films, and the tolerance, which depends on it. */
+/* Fills in `transport` and the tolerance of the time steps, whose default depends on
+ * `transport`. */
 static void fill_transient(scene *of) {
     const bool published = strcmp(of->discretization, "published") == 0;
 
@@ -137,7 +138,8 @@ static ehd_status apply_value(scene_source *source, const setting *row, const tr
     if (node->kind != TREE_SCALAR)
         return place_fail(error, where, "%s: found %s, expected a single value", row->key,
                           tree_show(shown, node));
-    // the YAML parser refuses equal keys, but one of two may be nested and the other dotted
+    // The YAML parser refuses a key that comes twice, but not a nested key that is also given as a
+    // dotted key.
     if (known->file)
         return place_fail(error, where, "%s: found again, expected only once (first in line %zu)",
                           row->key, known->line);

@@ -19,7 +19,7 @@ extern const char *const vary_names[NUM_VARY]; // "load", …: the keys of their
 typedef struct history_settings {
     char law[16];          // constant, sine, ramp, step, table
     double amplitude;      // dimensionless
-    double mean;           // dimensionless; NaN: 1
+    double mean;           // dimensionless; NaN stands for 1
     double period;         // in T
     double phase;          // rad
     double from;           // factor
@@ -28,13 +28,13 @@ typedef struct history_settings {
     double duration;       // in T
     double at;             // T
     char file[256];        // relative to the working folder
-    char column[64];       // in the file
+    char column[64];       // column in the file
     char interpolation[8]; // spline, linear
 } history_settings;
 
 /* The operating point in SI units. Load, radius, speed, modulus and viscosity are all given, or
  * none of them is. The speeds of both surfaces may replace the mean speed, and an ellipse may have
- * another radius across. The viscosity may be left to a law that has its own. */
+ * another radius across. If the viscosity law has its own viscosity, `viscosity` may be missing. */
 typedef struct physical_settings {
     double load;          // N/m of a line contact, N of a point contact
     double radius;        // m
@@ -46,36 +46,36 @@ typedef struct physical_settings {
     double viscosity;     // Pa s at zero pressure
 } physical_settings;
 
-/* The grid. NaN: chosen as the contact needs it (scene_contact.h). */
+/* The grid. Values that are NaN are chosen as the contact needs them (scene_contact.h). */
 typedef struct grid_settings {
     double x_min; // contact half widths
     double x_max;
     double step;
     double y_max; // NaN also for a line contact
-    int half;     // 1, 0: whether the symmetric half is solved; -1: a line contact
+    int half;     // 1: only the symmetric half is solved; 0: the whole grid; -1: a line contact
 } grid_settings;
 
 typedef struct output_settings {
-    int fields;       // 1, 0, or -1: the program's own default
-    int resolution;   // 1, 0, or -1: the program's own default
-    int fields_every; // fields at every N-th step, only when transient
+    int fields;       // whether fields are written: 1, 0, or -1 for the program's default
+    int resolution;   // whether errors of the grid are estimated: 1, 0, or -1 for the default
+    int fields_every; // fields are written at every N-th step; only for a transient scene
 } output_settings;
 
 typedef struct transient_settings {
     double end_time; // T
-    // dimensionless, for the local error of a step or, with transport along the path, for the
-    // error of the central film
+    // dimensionless: tolerance of the error of the central film if `transport` is path, else of the
+    // local error of a step
     double tolerance;
     double smoothing;   // half widths, for transport along the path
-    double fixed_step;  // length of fixed steps in T; NaN: step size control by the local error
+    double fixed_step;  // length of fixed steps in T; NaN: error control chooses the step sizes
     double start_film;  // H at the start from rest
-    double start_speed; // factor; NaN: the speed's history at T = 0
+    double start_speed; // factor on the speed; NaN: factor of the speed's history at T = 0
     history_settings vary[NUM_VARY];
 } transient_settings;
 
 /* Waviness, dent or heights on one of the surfaces (common/time/surface.h). */
 typedef struct surface_settings {
-    char kind[16]; // sine, dent, file; "": both surfaces are smooth
+    char kind[16]; // "sine", "dent" or "file"; "": both surfaces are smooth
     char units[8]; // contact, si: units of heights and lengths
     double speed;  // speed of that surface, relative to the mean speed
     double position;
@@ -83,7 +83,7 @@ typedef struct surface_settings {
     double depth, radius;
     char file[256]; // relative to the working folder
     char column[64];
-    char across[64]; // column of y; "": the table is of x alone
+    char across[64]; // column of y; "": the heights depend on x alone
 } surface_settings;
 
 /* Values that are not given and have no default are NaN, "" or -1. */
@@ -92,7 +92,7 @@ typedef struct scene {
     char regime[16];         // stationary, transient
     char closure[16];        // load, approach
     char discretization[16]; // accurate, published
-    char boundary[16];       // open, zero; "" of a line contact
+    char boundary[16];       // open, zero; "" for a line contact
     char transport[16];      // upwind, path
     double approach;         // H0 in the reference frame; NaN: H0 of the stationary solution
     double approach_length;  // a_ref; NaN: 10 with closure approach, else 1
@@ -100,19 +100,19 @@ typedef struct scene {
         double M, L; // dimensionless, both given or neither
     } moes;
     physical_settings physical;
-    double slide_roll;     // (u1 - u2)/u_m; NaN: not given
+    double slide_roll;     // (u1 - u2)/u_m; NaN: the scene does not give it
     double ellipticity;    // b/a of an ellipse; NaN: follows from physical.radius_across
     double hertz_pressure; // Pa, optional
     lubricant_settings lubricant;
     grid_settings grid;
     output_settings output;
-    transient_settings transient; // only when transient
-    surface_settings surface;     // only when transient
+    transient_settings transient; // only for a transient scene
+    surface_settings surface;     // only for a transient scene
 } scene;
 
 // Largest numbers of nodes in the grid of a point contact and of a line contact. Grids of point
-// contacts are also checked against memory. A result has both halves of a grid, so files may have twice as many
-// nodes.
+// contacts are also checked against memory. A result has both halves of the grid. Therefore a file
+// may have twice as many nodes as a grid of which only one half is solved.
 enum { MAX_NODES = 50000000, MAX_LINE_NODES = 2000000 };
 
 typedef enum setting_type {
@@ -132,39 +132,40 @@ typedef struct setting_condition {
 
 enum { MAX_CONDITIONS = 2 };
 
-/* One key of a scene. Parsing, validation, --help, the schema page and stored settings follow from
- * it. */
+/* One key of a scene: a row of the table from which parsing, validation, --help, the schema page
+ * and stored settings follow. */
 typedef struct setting {
     const char *key; // "lubricant.viscosity.alpha"
     setting_type type;
     size_t offset;             // in scene
     size_t size;               // size of the string, for SETTING_CHOICE, SETTING_TEXT and
                                // SETTING_FILE
-    const char *default_value; // default, written as in a scene; NULL: none
+    const char *default_value; // default, written as in a scene; NULL: no default
     const char *choices;       // "line" or "barus|roelands|wlf", for SETTING_CHOICE
     double min, max;           // allowed range, both included, for SETTING_REAL and SETTING_WHOLE
-    const char *unit;          // "1", "Pa", ...; "N/m|N": of a line contact, and of others
+    const char *unit;          // "1", "Pa", ...; "N/m|N": N/m for a line contact, else N
     const char *help;          // one sentence
     // If one of these conditions does not hold, the key is refused. The conditions end with a NULL
     // key, and refer to keys of rows before this row
     setting_condition when[MAX_CONDITIONS];
-    bool required; // if the conditions hold
+    bool required; // whether the key must be given if the conditions hold
 } setting;
 
 /* Returns the table of settings, an array that ends with a row whose key is NULL. The keys of the
  * lubricant follow from the tables of laws. */
 const setting *scene_settings(void);
 
-/* Makes a scene with nothing given, except for the defaults of keys without conditions. */
+/* Makes a scene that has no values except for the defaults of keys without conditions. */
 void scene_defaults(scene *scene);
 
 /* Fills in the defaults of all keys that are used with the scene's contact, regime, closure and
  * laws. scene_read, scene_parse and plan_read do this themselves. */
 void scene_complete(scene *scene);
 
-/* Returns the mean speed of both surfaces in m/s; NaN: not given. */
+/* Returns the mean speed of both surfaces in m/s, or NaN if the scene does not give it. */
 double scene_speed(const scene *scene);
-/* Returns the slide-roll ratio, (u1 - u2) over the mean speed; NaN: not given. */
+/* Returns the slide-roll ratio, (u1 - u2) over the mean speed, or NaN if the scene does not give
+ * it. */
 double scene_slide_roll(const scene *scene);
 
 /* Checks whether the law of shear stress also thins the flow in the film
@@ -172,18 +173,18 @@ double scene_slide_roll(const scene *scene);
 bool scene_thins_flow(const scene *scene);
 
 /* Reads a YAML file. `overrides` are "key.path=value" strings ("--set"), applied after the file
- * and before validation; "key.path=" unsets the key, as if nothing had given it. Relative names
- * of files start from the folder of the file that has them, or in `overrides` from the working
- * folder. Returns EHD_OK, EHD_NOINPUT, or EHD_DATA with file, line, key, found and expected in
- * *error. */
+ * and before validation; "key.path=" unsets the key, as if it had never been given. Relative file
+ * names in the YAML file start from the folder of this file. Relative file names in `overrides`
+ * start from the working folder. Returns EHD_OK, EHD_NOINPUT or EHD_DATA. For EHD_DATA the message
+ * has the file, the line, the key, and what was found and expected. */
 ehd_status scene_read(
     // output:
     scene *scene,
     // input:
     const char *path, const char *const *overrides, size_t num_overrides, ehd_error *error);
 
-/* Reads a scene from memory like scene_read. `name` stands for the file in errors, and relative
- * names start from the working folder. */
+/* Reads a scene from memory like scene_read. Errors use `name` as the name of the file. Relative
+ * file names start from the working folder. */
 ehd_status scene_parse(
     // output:
     scene *scene,
@@ -191,26 +192,27 @@ ehd_status scene_parse(
     const char *text, size_t length, const char *name, const char *const *overrides,
     size_t num_overrides, ehd_error *error);
 
-/* Sets one key from text; `where` ("file:line" or "--set") leads the error text. */
+/* Sets one key from text. The error text begins with `where` ("file:line" or "--set"). */
 ehd_status scene_set(scene *scene, const char *key, const char *value, const char *where,
                      ehd_error *error);
 
-/* Checks settings that depend on each other. `where` leads the error text.
- * - Either moes or physical is given, and of an ellipse either ellipticity or radius_across.
- * - Required keys are given, and no keys that regime, closure or laws do not use.
+/* Checks settings that depend on each other. The error text begins with `where`.
+ * - Either moes or physical is given. For an ellipse either ellipticity or radius_across is given.
+ * - All required keys are given. No key is given that regime, closure and laws do not use.
  * - The grid's extent is a whole number of steps.
  * - The contact lies inside the grid. */
 ehd_status scene_validate(const scene *scene, const char *where, ehd_error *error);
 
-/* Returns all settings that have a value, one line "key: value" each, in table order. Numbers
- * round-trip. Equal scenes give equal texts, so the text also identifies a scene. Free with free().
- * NULL: no memory. */
+/* Returns, as text, all settings that have a value: one line "key: value" each, in table order. The
+ * numbers in the text read back as the same numbers. Equal scenes give equal texts, so the text
+ * also identifies a scene. The caller frees the text with free(). Returns NULL if there is no
+ * memory. */
 char *scene_text(const scene *scene);
 
-/* Checks whether the text of settings that a file keeps matches the text `now`, of a scene or a
- * plan. A text without a discretization is from a version before 0.3.0, which had only the
- * published discretisation, with zero pressure around the grid. Such a text matches if those
- * settings are the only difference. */
+/* Checks whether `kept`, the text of settings in a file, matches `now`, the text of a scene or a
+ * plan. If `kept` has no `discretization`, it is from a version before 0.3.0. Those versions had
+ * only the published discretisation, with zero pressure around the grid and transport upwind.
+ * `kept` then matches if `now` differs only by the lines that give these three settings. */
 bool scene_text_matches(const char *kept, const char *now);
 
 /* Prints the table as text for --help. */
@@ -233,13 +235,13 @@ typedef struct plan_where {
 } plan_where;
 
 typedef struct plan {
-    // [num_points], in the order of the file; in a grid the last key varies fastest. Points that
-    // equal an earlier one, bounds included, are omitted
+    // [num_points], in the order of the file. In a grid (`combine`) the last key varies fastest. A
+    // point is omitted if an earlier point has the same settings and the same bounds
     plan_point *points;
     size_t num_points;
-    bool has_region; // points are candidates; training solves those that it needs
-    // identifies the plan for --resume: the groups with their bounds, scene_text of the first
-    // point, and of each further point what differs from the point before
+    bool has_region; // points are candidates; the training solves as many as it needs
+    // identifies the plan for --resume. The text has the groups with their bounds, scene_text of
+    // the first point, and for each further point the settings that differ from the point before
     char *text;
     plan_where *where; // [num_groups]
     size_t num_groups;
@@ -250,25 +252,25 @@ extern const char *const plan_where_keys[]; // [NUM_WHERE + 1], NULL at the end
 /* Returns bounds that exclude nothing. */
 plan_where plan_anywhere(void);
 
-/* Reads a plan (schemas/plan.md). Paths in it are relative to the plan's folder. Overrides act on
- * every scene. A scene file is a plan of one point. The caller applies the bounds of `where`,
- * which are on derived quantities. */
+/* Reads a plan (schemas/plan.md). Paths in the plan are relative to the plan's folder. Overrides
+ * act on every scene. A scene file is read as a plan of one point. The bounds of `where` are on
+ * derived quantities, so the caller must apply them. */
 ehd_status plan_read(
     // output:
     plan *plan, // free with plan_free
     // input:
     const char *path, const char *const *overrides, size_t num_overrides, ehd_error *error);
 
-/* Reads a plan from the text that files keep as their settings: the same points, groups and bounds.
- * Lines that others added to the text, which begin with #, are ignored. `name` stands for the file
- * in errors. EHD_DATA, EHD_MEMORY. */
+/* Reads a plan from the text that files keep as their settings. The plan has the same points,
+ * groups and bounds as the original plan. Other lines that begin with #, which programs add to the
+ * text, are ignored. Errors use `name` as the name of the file. Errors: EHD_DATA, EHD_MEMORY. */
 ehd_status plan_parse(
     // output:
     plan *plan, // free with plan_free
     // input:
     const char *text, const char *name, ehd_error *error);
 
-/* Writes the text of the points anew, after they have changed. EHD_MEMORY. */
+/* Writes `text` of a plan anew after the points have changed. Errors: EHD_MEMORY. */
 ehd_status plan_write_text(plan *plan, const char *name, ehd_error *error);
 
 void plan_free(plan *plan);

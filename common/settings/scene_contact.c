@@ -47,7 +47,7 @@ ehd_status scene_check_approach(const scene *given, const ehd_contact *contact, 
 /* Sets how films are carried through the contact. */
 static void set_transport(ehd_contact *contact, const scene *given) {
     contact->transport = TRANSPORT_UPWIND;
-    transport_find(&contact->transport, given->transport); // a valid name, or none when stationary
+    transport_find(&contact->transport, given->transport); // valid, or "" if stationary
     contact->smoothing = given->transient.smoothing;
     contact->time_tolerance = isnan(given->transient.fixed_step) ? given->transient.tolerance : NAN;
 }
@@ -88,7 +88,7 @@ ehd_status scene_contact_begin(ehd_contact *contact, const scene *given, ehd_err
     contact->slide_roll = scene_slide_roll(given);
     contact->grid.half = given->grid.half != 0 && contact->kind->dimensions > 1;
     discretization_find(&contact->grid.discretization, given->discretization); // a valid name
-    boundary_find(&contact->grid.boundary, given->boundary); // a valid name, or none of a line
+    boundary_find(&contact->grid.boundary, given->boundary); // valid, or "" for a line contact
     contact->grid_given =
         (grid_extent){given->grid.x_min, given->grid.x_max, given->grid.step, given->grid.y_max};
     if (contact_has_chosen_grid(contact)) return EHD_OK;

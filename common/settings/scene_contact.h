@@ -6,39 +6,41 @@
 #include "common/physics/grid_choice.h"
 #include "common/settings/scene.h"
 
-/* Initialises the contact of a valid scene with contact_init, and its grid. Grid values that the
- * scene does not give are chosen as the contact needs them. EHD_DATA: errors of contact_init, a
- * stationary scene that gives the approach, a given approach that is measured at too short a
- * distance, or a grid with too many nodes. After EHD_DATA the contact's numbers are 0 or NaN as far
- * as they are not known. */
+/* Initialises the contact of a valid scene with contact_init, and the contact's grid. Grid values
+ * that the scene does not give are chosen as the contact needs them. Returns EHD_DATA for
+ * - errors of contact_init,
+ * - a stationary scene that gives the approach,
+ * - a given approach that is measured at too short a distance (contact_check_approach),
+ * - a grid with too many nodes.
+ * After EHD_DATA the unknown numbers of the contact are 0 or NaN. */
 ehd_status scene_contact(
     // output:
     ehd_contact *contact,
     // input:
     const scene *given, ehd_error *error);
 
-/* Do the two steps of scene_contact. Between them a contact whose scene leaves the grid open may
- * take the grid of a model (contact_take_grid). The second step then does not choose a grid, which
- * takes most of the time. */
+/* Do the two steps of scene_contact. If the scene does not give the grid, the contact may take the
+ * grid of a model between the two steps (contact_take_grid). The second step then does not choose a
+ * grid, and this saves most of the time. */
 ehd_status scene_contact_begin(ehd_contact *contact, const scene *given, ehd_error *error);
 ehd_status scene_contact_end(ehd_contact *contact, const scene *given, ehd_error *error);
 
-/* Checks that the contact is of the kind of the model in `path`; call it before scene_contact.
- * EHD_DATA: another kind. If it were called later, errors that follow from the other kind, such as
- * too many nodes, would come first. */
+/* Checks that the scene has the kind of contact of the model in `path`. Returns EHD_DATA for
+ * another kind. Call this function before scene_contact. Otherwise the user would first see errors
+ * that follow from the other kind, such as too many nodes. */
 ehd_status scene_check_kind(const scene *given, const contact_kind *kind, const char *path,
                             ehd_error *error);
 
-/* Checks that reduced models and their training can represent the scene: both surfaces are smooth.
- * Call it before other work. EHD_DATA. */
+/* Checks that a reduced model and its training can represent the scene: both surfaces must be
+ * smooth. Returns EHD_DATA if a surface is not. Call this function before other work. */
 ehd_status scene_check_reducible(const scene *given, ehd_error *error);
 
-/* Replaces the grid of scene_contact. Values that the scene does not give come from `needed`.
- * EHD_DATA: too many nodes. */
+/* Replaces the grid that scene_contact made. Values that the scene does not give come from
+ * `needed`. Returns EHD_DATA if the grid has too many nodes. */
 ehd_status scene_set_grid(ehd_contact *contact, const grid_extent *needed, ehd_error *error);
 
-/* Checks a given approach again, after scene_set_grid. EHD_DATA: it is measured at too short a
- * distance (contact_check_approach). */
+/* Checks a given approach again, after scene_set_grid. Returns EHD_DATA if the approach is measured
+ * at too short a distance (contact_check_approach). */
 ehd_status scene_check_approach(const scene *given, const ehd_contact *contact, ehd_error *error);
 
 #endif

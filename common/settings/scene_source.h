@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Holds a scene while it is read: the values of the scene and the source location of each, so that
- * checks across keys can name a line. Shared by scene and plan. */
+/* Holds a scene while it is read: the values, and the source location of each value. With the
+ * locations, a check that involves several keys can name a line. Used for scenes and plans. */
 #ifndef EHD_SCENE_SOURCE_H
 #define EHD_SCENE_SOURCE_H
 
@@ -11,10 +11,11 @@
 
 typedef struct scene_source {
     scene values;
-    const char *file;   // named in errors that are about no single key
-    const char *beside; // file names in the map are relative to the folder of `beside`; NULL:
-                        // working folder
-    place places[MAX_SETTINGS]; // by row of scene_settings(); file NULL: not given
+    const char *file;   // errors name this file if they do not concern a single key
+    const char *beside; // file names in the map are relative to the folder of the file `beside`, or
+                        // to the working folder if `beside` is NULL
+    place places[MAX_SETTINGS]; // for each row of scene_settings(), the place of its setting; if
+                                // the member `file` is NULL, the setting is not given
 } scene_source;
 
 /* Initialises a source with scene_defaults and no source locations. `file` and `beside` are kept,
@@ -28,11 +29,12 @@ ehd_status source_assign(
     // input:
     const setting *row, const char *text, const char *beside, place where, ehd_error *error);
 
-/* Assigns the values in a YAML map, whose keys are nested or dotted. EHD_DATA: no map; unknown,
- * repeated or bad keys. */
+/* Assigns the values in a YAML map, whose keys are nested or dotted. Returns EHD_DATA if `map` is
+ * no map, if a key is unknown or repeated, or if a value is bad. */
 ehd_status source_apply_map(scene_source *source, const tree_node *map, ehd_error *error);
 
-/* Assigns the values in a YAML file like source_apply_map; also EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
+/* Assigns the values in a YAML file like source_apply_map. Further errors: EHD_NOINPUT, EHD_IO,
+ * EHD_MEMORY. */
 ehd_status source_apply_file(scene_source *source, const char *path, ehd_error *error);
 
 /* Sets the keys of "key=value" strings, and unsets the keys of "key=" strings. A later string

@@ -50,8 +50,8 @@ static ehd_status check_whole(const scene_source *source, const char *name, cons
                       count->all, count->missing);
 }
 
-/* Checks whether the law has the viscosity that `physical` lacks. Also true for a lubricant that is
- * wrong, which another check reports. */
+/* Checks whether the viscosity law has the viscosity that `physical` lacks. Also returns true for
+ * an invalid lubricant, because another check reports its error. */
 static bool has_viscosity_of_law(const scene *of) {
     ehd_lubricant lubricant;
     return isnan(of->physical.viscosity) &&
@@ -90,7 +90,7 @@ static ehd_status check_speeds(const scene_source *source, bool both_speeds, ehd
     if (both_speeds && !isnan(of->slide_roll))
         return place_fail(error, where,
                           "physical.speed_1: found beside slide_roll, expected only one of them");
-    // if one speed is missing, scene_speed is NaN, and the count of keys gives the error
+    // if one speed is missing, scene_speed is NaN, and check_whole reports the missing key
     if (both_speeds && scene_speed(of) < setting_find("physical.speed")->min)
         return place_fail(error, where,
                           "physical.speed_1: found %g with physical.speed_2 of %g m/s, expected a "
@@ -116,7 +116,7 @@ static ehd_status check_operating_point(const scene_source *source, ehd_error *e
 }
 
 /* Checks the settings of the traction. The stresses are in pascals, so the traction needs
- * `physical`. A law of shear needs the traction. */
+ * `physical`. A law of shear stress is allowed only with the traction. */
 static ehd_status check_traction(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
     const bool has_law = *of->lubricant.shear.law;
@@ -143,8 +143,8 @@ static ehd_status check_traction(const scene_source *source, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Checks that cross-flux is used only where there is a stationary flow across: not for a line
- * contact, and not in time. */
+/* Checks that the discretization cross-flux is used only for a stationary contact with flow across
+ * the entrainment. Line contacts and transient contacts are refused. */
 static ehd_status check_cross_flux(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
     const bool line = strcmp(of->contact, "line") == 0;
@@ -156,7 +156,7 @@ static ehd_status check_cross_flux(const scene_source *source, ehd_error *error)
                       line ? "line contact" : "contact in time");
 }
 
-/* Checks that an ellipse has its shape from one of two keys. */
+/* Checks that exactly one of two keys gives the shape of an ellipse. */
 static ehd_status check_ellipse(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
     const bool by_radius = !isnan(of->physical.radius_across);
@@ -219,8 +219,8 @@ static ehd_status check_needed(const scene_source *source, ehd_error *error) {
                       "%s: found nothing, expected a value with the %s", count.missing, shown);
 }
 
-/* Checks that no given key is unused. A condition on a key that is not given is left to
- * check_needed. */
+/* Checks that the scene uses each given key. If a condition refers to a key that is not given, the
+ * check is left to check_needed. */
 static ehd_status check_used(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
     char shown[SHOWN_TEXT];
@@ -229,7 +229,7 @@ static ehd_status check_used(const scene_source *source, ehd_error *error) {
         const setting_condition *unmet = setting_unmet(row, of);
         if (!unmet || !setting_is_given(setting_find(unmet->key), of)) continue;
         setting_show_condition(shown, unmet, of);
-        // the file was consistent before --set changed it
+        // the file alone is consistent: the conflict is due to --set
         if (source_is_overridden(source, setting_find(unmet->key)) &&
             !source_is_overridden(source, row))
             return place_fail(error, place_of_key(source, row->key),
@@ -251,14 +251,14 @@ static void add_name(char list[SHOWN_LIST], const char *name) {
     snprintf(list + used, SHOWN_LIST - used, "%s%s", used ? ", " : "", name);
 }
 
-/* Checks that a law with presets has either one of them or all of its constants. */
+/* Checks that a law with presets is given either a preset or all of its constants. */
 static ehd_status check_preset(const scene_source *source, const law_group *laws,
                                ehd_error *error) {
     const lubricant_law *law = law_group_choice(laws, &source->values);
     const char *group = laws->key;
     char key[MAX_KEY], presets[SHOWN_LIST] = "", constants[SHOWN_LIST] = "";
     key_count preset = {0}, constant = {0};
-    if (!law) return EHD_OK; // there is none, or lubricant_init refuses it
+    if (!law) return EHD_OK; // there is no law, or lubricant_init refuses it
     snprintf(key, sizeof key, "%s.law", group);
     const place where = place_of_key(source, key);
     for (size_t i = 0; i < law_num_parameters(law); i++) {
@@ -295,7 +295,7 @@ static bool is_point(const scene *of) {
     return strcmp(of->contact, "line") != 0;
 }
 
-/* Returns the allowed step that divides the extent and is nearest to the given one. */
+/* Returns the allowed step that divides the extent and is nearest to the given step. */
 static double nearest_step(double extent, double step) {
     const setting *row = setting_find("grid.step");
     double count = round(extent / step);
@@ -356,7 +356,7 @@ static ehd_status check_grid(const scene_source *source, ehd_error *error) {
                           "such as with %s",
                           found, of->grid.x_min, of->grid.x_max, valid);
     }
-    // the lines of an ellipse have a step of their own, and go on to y_max or just beyond
+    // the lines of an ellipse have their own step; the last line lies at y_max or just beyond
     const bool square = is_point(of) && strcmp(of->contact, "ellipse") != 0;
     if (!square || isnan(of->grid.y_max) || is_whole(of->grid.y_max / step)) return EHD_OK;
     number_show(valid, step * ceil(of->grid.y_max / step));

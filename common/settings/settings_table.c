@@ -29,7 +29,7 @@
 #define ON_A_POINT   {{"contact", "point|ellipse"}}
 #define ON_AN_ELLIPSE {{"contact", "ellipse"}}
 #define IN_TIME      {{"regime", "transient"}}
-#define LAW(laws)    {{NULL, laws}} // of the same history
+#define LAW(laws)    {{NULL, laws}} // condition on the law of the same history
 #define LAST_ROW     {NULL, SETTING_FLAG, 0, 0, NULL, NULL, 0, 0, NULL, NULL, ALWAYS, false}
 
 // columns: key, type, offset, size, default, choices, min, max, unit, help, when, required
@@ -214,7 +214,7 @@ const lubricant_law *law_group_choice(const law_group *group, const scene *of) {
 
 const char *const vary_names[NUM_VARY] = {"load", "speed", "radius", "modulus", "approach"};
 
-// most rows and texts that make_table makes from the tables of laws and of the histories
+// largest numbers of rows and of texts that make_table makes
 #define ROWS_OF(rows) (sizeof(rows) / sizeof *(rows)-1)
 enum {
     LAW_ROWS = 1 + MAX_LAW_KEYS,
@@ -303,8 +303,8 @@ static void add_history(int quantity) {
     }
 }
 
-/* Returns the row of a key among the rows before `row`; NULL: none. Most conditions are on the
- * first rows. */
+/* Returns the row of a key among the rows before `row`, or NULL. The search begins at the first
+ * row, because most conditions refer to the first rows. */
 static const setting *row_before(const setting *row, const char *key) {
     for (const setting *other = table.rows; other < row; other++)
         if (*other->key == *key && strcmp(other->key, key) == 0) return other;
@@ -413,8 +413,8 @@ static size_t edit_distance(const char *left, const char *right) {
 /* Other words for the last part of a key. */
 static const char *const synonyms[][2] = {{"velocity", "speed"}, {"force", "load"}};
 
-/* Returns the key that a key such as "physical.velocity" means, whose last part is a synonym; or
- * NULL. */
+/* Returns the setting that is meant by a key whose last part is a synonym: "physical.speed" for
+ * "physical.velocity". Returns NULL if there is no such setting. */
 static const setting *same_meaning(const char *key) {
     char meant[MAX_KEY];
     const size_t length = (size_t)(last_part(key) - key);
@@ -438,7 +438,7 @@ static bool find_similar(char meant[MAX_KEY], const char *key) {
             end += strcspn(end, ".");
             snprintf(part, sizeof part, "%.*s", (int)(end - row->key), row->key);
             const size_t distance = edit_distance(key, part);
-            // a group has many settings, so its name must be spelled more alike
+            // a group stands for many settings, so its name must be closer to the key
             const bool near_group = *end != '.' || distance <= 2;
             if (distance < nearest && near_group) {
                 nearest = distance;
@@ -451,8 +451,8 @@ static bool find_similar(char meant[MAX_KEY], const char *key) {
 }
 
 /* Finds the setting or group that an unknown key probably stands for, and copies its name to
- * `meant`. It looks for the same meaning, then for a similar spelling, then for the same last
- * part. Returns false if it finds none. */
+ * `meant`. Looks for a synonym, then for a similar spelling, then for the same last part. Returns
+ * false if it finds no setting or group. */
 static bool find_meant(char meant[MAX_KEY], const char *key) {
     const setting *found = same_meaning(key);
     if (strlen(key) >= MAX_KEY) return false;
@@ -595,7 +595,7 @@ int setting_compare(const setting *row, const scene *left, const scene *right) {
     }
 }
 
-/* Prints a YAML scalar, quoted where it could be read as something else. */
+/* Prints a YAML scalar, in quotes if YAML could read the text as something else. */
 static void print_text(FILE *stream, const char *text) {
     static const char plain[] =
         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/.-";
@@ -643,8 +643,9 @@ void setting_print(FILE *stream, const setting *row, const scene *of) {
 
 enum { ALLOWED_TEXT = 160 };
 
-/* Writes the unit: " N/m" of a line contact, " N" of a point contact, or " N/m (of a point contact
- * N)" as long as the contact is not known. Writes "" for the unit 1. `of` may be NULL. */
+/* Writes the unit. A load has the unit " N/m" for a line contact and " N" for a point contact, or
+ * " N/m (of a point contact N)" if the kind of contact is not known yet. Writes "" for the unit 1.
+ * `of` may be NULL. */
 static void show_unit(char shown[SHOWN_TEXT], const setting *row, const scene *of) {
     const char *unit = row->unit, *other = strchr(unit, '|');
     *shown = '\0';
@@ -765,7 +766,7 @@ static void print_words(FILE *stream, const char *choices, const char *between) 
         fputs(*choices == '|' ? between : (char[]){*choices, '\0'}, stream);
 }
 
-/* Returns the quantity whose history a key belongs to; -1: none. */
+/* Returns the quantity to whose history a key belongs, or -1 if the key belongs to no history. */
 static int quantity_of(const char *key) {
     char group[MAX_KEY];
     for (int i = 0; i < NUM_VARY; i++) {

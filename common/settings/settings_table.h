@@ -15,7 +15,7 @@ enum {
     MAX_KEY = 128
 };
 
-/* A table of laws, and the place of the chosen law in a scene. */
+/* A table of laws, and where a scene stores the chosen law. */
 typedef struct law_group {
     const char *key; // "lubricant.viscosity"
     const lubricant_law *const *laws;
@@ -25,15 +25,15 @@ typedef struct law_group {
 enum { LAWS_VISCOSITY, LAWS_DENSITY, LAWS_SHEAR, NUM_LAW_GROUPS };
 extern const law_group law_groups[NUM_LAW_GROUPS];
 
-/* Returns the law that a scene names; NULL: none, or there is no such law. */
+/* Returns the law that a scene names. Returns NULL if the scene names no law or an unknown law. */
 const lubricant_law *law_group_choice(const law_group *group, const scene *of);
 
 /* Returns the row of a key such as "moes.M", or NULL. */
 const setting *setting_find(const char *key);
 
 /* Returns the row of a key or of its last part, or NULL. The last part is enough if it is unique,
- * or unique among the keys without conditions: "M" for "moes.M", "speed" for "physical.speed"
- * beside "surface.speed". */
+ * or unique among the keys without conditions. "M" means "moes.M". "speed" means "physical.speed",
+ * although "surface.speed" exists. */
 const setting *setting_find_short(const char *name);
 
 /* Returns the position of a row in the table. */
@@ -49,11 +49,12 @@ ehd_status setting_unknown(ehd_error *error, place where, const char *key);
 /* Checks whether a word is one of "a|b|c". */
 bool setting_has_choice(const char *choices, const char *word);
 
-/* Returns the first condition of a key that does not hold, including the conditions of the keys
- * that it refers to. NULL: the key is used. */
+/* Returns the first condition of a key that does not hold. A condition refers to another key; the
+ * conditions of that key must hold, too. Returns NULL if all conditions hold, so the key is
+ * used. */
 const setting_condition *setting_unmet(const setting *row, const scene *of);
 
-/* Writes the key of a condition with its present value: "law wlf". */
+/* Writes the last part of a condition's key with the key's current value: "law wlf". */
 void setting_show_condition(char shown[SHOWN_TEXT], const setting_condition *condition,
                             const scene *of);
 
@@ -73,7 +74,8 @@ size_t setting_show(char *text, size_t size, const setting *row, const scene *of
 /* Prints "key: value"; the value must be given. */
 void setting_print(FILE *stream, const setting *row, const scene *of);
 
-/* Assigns one value from its text. EHD_DATA with the place, key, found and expected. */
+/* Assigns one value from its text. Returns EHD_DATA for a bad value; the message has the place, the
+ * key, and what was found and expected. */
 ehd_status setting_assign(
     // output:
     scene *scene,

@@ -19,7 +19,7 @@ typedef struct variation_column {
     place *places;      // [num_values]
 } variation_column;
 
-/* A setting that varies between bounds, on a logarithmic scale if these are positive. */
+/* A setting that varies between bounds, on a logarithmic scale if the bounds are positive. */
 typedef struct variation_range {
     const setting *row;
     place where;
@@ -29,44 +29,53 @@ typedef struct variation_range {
 typedef struct variation {
     variation_column columns[MAX_SETTINGS];
     size_t num_columns;
-    bool grid; // all combinations, the last column fastest; else one point per row
+    // true: all combinations of the columns' values are points, and the last column varies fastest;
+    // false: each row of values is one point
+    bool grid;
     variation_range ranges[MAX_RANGES];
     size_t num_ranges;           // 0: no region
-    size_t num_candidates;       // number of places in the region, which are the same for each
-                                 // combination of columns
-    double *candidates;          // [num_candidates, num_ranges] from 0 to 1; NULL: no region
-    default_histories histories; // without quantities: none
-    size_t num_histories;        // trajectories of each combination of columns; 0: none
-    size_t num_points;           // at most MAX_POINTS, candidates or histories fastest
+    size_t num_candidates;       // number of candidates in the region; each combination of columns
+                                 // has the same candidates
+    double *candidates;          // [num_candidates, num_ranges] coordinates from 0 to 1; NULL: no
+                                 // region
+    default_histories histories; // has no quantities if the group has no histories
+    size_t num_histories;        // number of trajectories of each combination of columns; 0: the
+                                 // plan varies no histories
+    size_t num_points;           // at most MAX_POINTS; candidates or histories vary fastest
     csv_file points;             // owns the texts that come from a CSV file
 } variation;
 
-/* Reads what a group varies: columns (`vary` and `combine`, or `points`), and a `region` with its
- * `candidates`, or `histories`. A group without them has one point. Candidates are the corners of
- * the region, places along its edges, and inside of it Sobol's sequence (gsl_qrng_sobol), which
- * leaves no gaps for any number of candidates. There are `times` as many candidates as the group
- * gives. `plan_path` is the plan's file, for errors; `points` is relative to its folder. EHD_DATA,
- * EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
+/* Reads what a group varies. A group may have columns (`vary` and `combine`, or `points`), and
+ * either a `region` with its `candidates` or `histories`. A group without any of these has one
+ * point.
+ *
+ * The candidates are the corners of the region, points along its edges, and points inside. The
+ * points inside follow Sobol's sequence (gsl_qrng_sobol), which leaves no gaps for any number of
+ * candidates. The number of candidates is `times` the number that the group gives.
+ *
+ * `plan_path` is the plan's file, for errors; the path in `points` is relative to its folder.
+ * Errors: EHD_DATA, EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
 ehd_status variation_read(
     // output:
     variation *self, // free with variation_free
     // input:
     const tree_node *group, double times, const char *plan_path, ehd_error *error);
 
-/* Finds the setting of each column of a table. `beside` names a column that is not a setting and
- * gets NULL (NULL: there is no such column). EHD_DATA, with a list of all columns: a column without
- * a name, an unknown setting, or one twice. */
+/* Finds the setting of each column of a table. A column with the name `beside` is not a setting and
+ * gets NULL. If `beside` is NULL, all columns must be settings. Returns EHD_DATA, with a list of
+ * all columns, if a column has no name, or if a setting is unknown or comes twice. */
 ehd_status table_settings(
     // output:
     const setting **rows, // [table->width]
     // input:
     const csv_file *table, const char *beside, ehd_error *error);
 
-/* Checks that --set gives no setting that varies. EHD_DATA. `path` is the plan, for the error. */
+/* Checks that --set gives no setting that varies. Returns EHD_DATA otherwise. `path` is the plan's
+ * file, for the error. */
 ehd_status variation_check_overrides(const variation *self, const scene_source *base,
                                      const char *path, ehd_error *error);
 
-/* Assigns the values of one point. EHD_DATA: a bad value. */
+/* Assigns the values of one point. Returns EHD_DATA for a bad value. */
 ehd_status variation_apply(const variation *self, size_t point, scene_source *source,
                            ehd_error *error);
 

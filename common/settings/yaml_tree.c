@@ -14,7 +14,7 @@
 enum {
     MAX_BYTES = 1 << 24,
     MAX_NODES = 1 << 20,
-    MAX_KEYS = 256, // in a map; bounds the time of the search for duplicates
+    MAX_KEYS = 256, // keys in a map; limits the time of the search for duplicates
     MAX_DEPTH = 16
 };
 
@@ -207,8 +207,8 @@ static ehd_status fill_node(reader *self, tree_node *node, const yaml_event_t *e
     return read_children(self, node, depth + 1);
 }
 
-/* Reads one child of a map or list. `event` is the key of the child in a map, the start of the
- * child in a list. */
+/* Reads one child of a map or list. In a map `event` is the key of the child. In a list `event` is
+ * the start of the child. */
 static ehd_status read_child(reader *self, tree_node *parent, yaml_event_t *event, size_t depth) {
     tree_node *child = NULL;
     ehd_status status = add_node(self, &child, parent, event->start_mark);
@@ -274,8 +274,8 @@ ehd_status tree_parse(tree_node **root, const char *text, size_t length, const c
     const size_t skipped = length >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     *root = NULL;
     if (!yaml_parser_initialize(&self.parser)) return ehd_no_memory(error, name);
-    // The encoding is given, so that a byte order mark cannot select UTF-16. The parser then takes
-    // the mark of UTF-8 for text, so it is skipped here.
+    // The encoding is given, so that a byte order mark cannot select UTF-16. The parser then reads
+    // the byte order mark of UTF-8 as text, so the mark is skipped here.
     yaml_parser_set_input_string(&self.parser, (const unsigned char *)text + skipped,
                                  length - skipped);
     yaml_parser_set_encoding(&self.parser, YAML_UTF8_ENCODING);

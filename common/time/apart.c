@@ -17,8 +17,8 @@ void apart_init(apart_march *self, march_solver inner, const ehd_contact *refere
                           .speed = NAN};
 }
 
-/* Returns a frame under another load. Without entrainment no stationary film separates the bodies,
- * so the frame then has the entrainment of the reference. */
+/* Returns the frame scaled by another load. Without entrainment no stationary film separates the
+ * bodies. If the entrainment is zero, the returned frame has the entrainment of the reference. */
 static contact_frame moving_under(const apart_march *self, const contact_frame *frame,
                                   double load) {
     contact_frame under = frame_with_load(self->reference->kind, frame, load);
@@ -58,9 +58,9 @@ static bool by_load(const contact_frame *frame) {
     return isnan(frame->approach);
 }
 
-/* Decides whether the neglected force between separated bodies is negligible. This force is at most
- * the force of a stationary contact in the same gap. If the bodies do not touch, it is at most the
- * force of the lightest contact. */
+/* Decides whether the force between separated bodies, which is neglected, is small enough. This
+ * force is at most the force of a stationary contact with the same gap. Beyond the touching
+ * approach, it is also at most the touching load. */
 static ehd_status find_known(bool *known, apart_march *self, const contact_frame *frame,
                              ehd_error *error) {
     ehd_status status = EHD_OK;

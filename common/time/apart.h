@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lets a contact be lost and found again. Once nothing presses on the film, the bodies are apart:
- * they exert no force until they touch again (README.md, Bodies apart).
+/* Lets the bodies of a contact separate and touch again. Bodies that are apart exert no force until
+ * they touch again (README.md, Bodies apart).
  * Called by common/output/time_run.c and romrun/online/online_transient.c to wrap their solvers. */
 #ifndef EHD_APART_H
 #define EHD_APART_H
@@ -11,8 +11,8 @@
 typedef struct apart_moment {
     double apart;        // 1: the bodies are apart, else 0
     double inner;        // 1: the inner solver has states, perhaps old ones; else 0
-    double approach;     // in the reference frame; NaN: apart, and the load was given
-    double doubtful;     // path of the fluid up to which the contact has film that formed at rest
+    double approach;     // in the reference frame; NaN: the bodies are apart, the load was given
+    double doubtful;     // path of the fluid until which the contact has film that formed at rest
     contact_frame frame; // frame of bodies that are apart, scaled by the reference load
 } apart_moment;
 
@@ -20,14 +20,14 @@ typedef struct apart_moment {
 typedef struct apart_march {
     march_solver inner;
     const ehd_contact *reference;
-    /* A step in which the bodies part or touch is rejected if it is longer than this. INFINITY: no
+    /* Longest step in which the bodies may part or touch. Longer steps are rejected. INFINITY: no
      * step is rejected. */
     double longest_step;
-    apart_moment now, next; // the accepted state; the last attempt
-    // in the last attempt the bodies touched again, and the inner solver started
+    apart_moment now, next; // the accepted state; the state of the last attempt
+    // whether the bodies touched again in the last attempt, and the inner solver started anew
     bool begins;
-    // conditions (speed NaN: none yet); approach and load at which bodies touch under these
-    // conditions
+    // Result of the last find_touching: approach and load at which bodies touch at this speed,
+    // radius and modulus. Speed NaN: no result yet.
     double speed, radius, modulus, approach, load;
 } apart_march;
 
@@ -35,10 +35,12 @@ typedef struct apart_march {
 void apart_init(apart_march *self, march_solver inner, const ehd_contact *reference,
                 double longest_step);
 
-/* Returns the wrapped solver. Its outcomes set `apart` and `begins`. Bodies that are apart have no
- * load. Their film is the undeformed gap: 0 where they overlap, NaN if the load is given. An
- * outcome is EHD_UNTRUSTED if the neglected force, estimated by the film formula, may exceed 1 %
- * of the reference load. */
+/* Returns a solver that lets the bodies separate. Its outcomes set `apart` and `begins`.
+ *
+ * While the bodies are apart, the force between them is neglected, so the load is 0. The film is
+ * the gap between the undeformed bodies, or 0 where they overlap. If the scene gives the load, this
+ * gap is not known and the film is NaN. If the neglected force, estimated by the film formula, may
+ * exceed 1 % of the reference load, the outcome is EHD_UNTRUSTED. */
 march_solver apart_solver(apart_march *self);
 
 #endif

@@ -9,9 +9,10 @@
 // Source: 1 + sqrt(2), the bound of zero-stability (README.md, BDF2)
 const double bdf_most_growth = 1 + 1.4142135623730951;
 
-/* Largest sum of the magnitudes of a predictor's weights. The error of a prediction is at most
- * this sum times the errors of the states. Steps that each grow by bdf_most_growth reach this sum.
- * 5 is too small (test_bdf.c, error_is_that_of_the_next_power). */
+/* Largest sum of the magnitudes of a predictor's weights. The error of a prediction is at most this
+ * sum times the largest error of the states. The sum is reached if each step is bdf_most_growth
+ * times as long as the step before. A sum of 5 is too small (test_bdf.c,
+ * error_is_that_of_the_next_power). */
 static const double MOST_ENLARGED = 46;
 
 /* A step of first order is predicted by the slope between the known states. This constant is the
@@ -22,7 +23,7 @@ static const double MOST_ENLARGED = 46;
 static const double MOST_EXTRAPOLATED = 100;
 
 /* Sets the weights with which the polynomial through the chosen previous states predicts the new
- * one. `ago` is the time from each previous state to the new one. */
+ * state. `ago` is the time from each previous state to the new state. */
 static void set_predictor(bdf_formula *formula, const double *ago, const size_t *chosen,
                           size_t count) {
     memset(formula->predictor, 0, sizeof formula->predictor);
@@ -43,8 +44,8 @@ static double enlarged(const bdf_formula *formula) {
     return sum;
 }
 
-/* Sets a formula of first order. It is predicted by the slope between the states, or for long steps
- * by the last state. */
+/* Sets a formula of first order. The prediction is the straight line through the last and the
+ * oldest state. For long steps it is the last state. */
 static void set_first_order(bdf_formula *formula, double step, const double *ago,
                             size_t num_previous) {
     const size_t oldest = num_previous - 1, chosen[] = {0, oldest};
@@ -57,10 +58,10 @@ static void set_first_order(bdf_formula *formula, double step, const double *ago
     formula->error = has_slope ? step / ago[oldest] : oldest > 0 ? 1 : 0;
 }
 
-/* Sets a formula of second order, with the last state and the state `second` before it. Formula and
- * prediction both neglect the third derivative, so the error of the formula follows from the error
- * of the prediction. Without a usable third state the prediction neglects the second derivative,
- * and the error estimate is too large. */
+/* Sets a formula of second order, which uses the last state and the state `second` states before
+ * it. Formula and prediction both neglect the third derivative, so the error of the formula follows
+ * from the error of the prediction. Without a usable third state the prediction neglects the second
+ * derivative, and the error estimate is too large. */
 static void set_second_order(bdf_formula *formula, double step, const double *ago, size_t second,
                              double interval, size_t num_previous) {
     const double ratio = step / interval;
@@ -84,7 +85,7 @@ static void set_second_order(bdf_formula *formula, double step, const double *ag
 
 bdf_formula bdf_step(double step, const double *intervals, size_t num_previous) {
     bdf_formula formula = {.order = 0};
-    double ago[BDF_PREVIOUS] = {step}; // time from each previous state to the new one
+    double ago[BDF_PREVIOUS] = {step}; // time from each previous state to the new state
     double interval = 0;               // from state i to the last state
 
     for (size_t i = 1; i < num_previous; i++)
@@ -108,7 +109,7 @@ bdf_ring bdf_ring_empty(void) {
     return ring;
 }
 
-/* Returns the time between the states i and i + 1 steps before the one being solved. */
+/* Returns the time between the states at place[i] and place[i + 1]. */
 static double interval(const bdf_ring *ring, size_t i) {
     return ring->time[ring->place[i]] - ring->time[ring->place[i + 1]];
 }
@@ -128,8 +129,8 @@ static void swap(bdf_ring *ring, size_t i, size_t k) {
     ring->place[k] = place;
 }
 
-/* Checks whether a state is passing (bdf_ring). While steps grow, as after a start, no state is
- * passing. */
+/* Checks whether the state being solved, at `time`, is passing (bdf_ring). While steps grow, as
+ * after a start, no state is passing. */
 static bool is_passing(const bdf_ring *ring, double time, double least) {
     // Smallest ratio of successive steps at which the steps grow. In a march a step is at most
     // twice the step before it (test_bdf.c, states_that_follow_too_soon_are_passing).

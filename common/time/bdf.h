@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-// previous states that a step uses: two for the formula, one more for the error estimate
+// number of previous states that a step uses: two for the formula, a third for the error estimate
 enum { BDF_PREVIOUS = 3 };
 
 /* Formula of one step: dy/dT = rate y + sum of weight[i] y_i. y_0 is the last state and y_1 the
@@ -17,18 +17,18 @@ enum { BDF_PREVIOUS = 3 };
  * times the difference between y and its prediction. */
 typedef struct bdf_formula {
     size_t order;
-    size_t num_weighted;            // number of states y_0, y_1 … up to the last with a weight
+    size_t num_weighted;            // number of states from y_0 to the last state with a weight
     size_t degree;                  // degree of the prediction, a polynomial in time
     double rate;                    // 1 / time
     double weight[BDF_PREVIOUS];    // 1 / time
     double predictor[BDF_PREVIOUS]; // dimensionless
     double error;                   // dimensionless; 0: too few previous states for an estimate
-    double interval;                // time between the two previous states; 0: first order
+    double interval;                // time between the two states with a weight; 0: first order
 } bdf_formula;
 
-/* Largest ratio r of a step of BDF2 to the time between the two states before it. With y' = 0 a
- * step multiplies the difference of these states by r^2 / (1 + 2 r). This factor is at most 1 up to
- * r = 1 + sqrt(2). */
+/* Largest ratio r of a step of BDF2 to the time between the two previous states of its formula. If
+ * y' = 0, a step multiplies the difference of these two states by r^2 / (1 + 2 r). This factor is
+ * at most 1 up to r = 1 + sqrt(2). */
 extern const double bdf_most_growth;
 
 /* Returns the formula for a step of length `step` from the last state. The number of previous
@@ -39,10 +39,10 @@ bdf_formula bdf_step(double step, const double *intervals, size_t num_previous);
 
 enum { BDF_STATES = BDF_PREVIOUS + 2 };
 
-/* Places of the states in an array of BDF_STATES states. place[0] is the state being solved.
- * place[i] is the i-th state before it, for i from 1 to num_previous. A state that is accepted too
- * soon after place[1] is called passing. It is stored at the last place, and the next step begins
- * at place[1] again. */
+/* Indices (places) of the states in an array of BDF_STATES states. place[0] is the index of the
+ * state being solved. place[i] is the index of the i-th state before it, for i from 1 to
+ * num_previous. A state that is accepted too soon after the state at place[1] is called passing.
+ * Its index is place[BDF_STATES - 1]. The next step begins at the state at place[1] again. */
 typedef struct bdf_ring {
     size_t place[BDF_STATES];
     size_t num_previous;
@@ -56,19 +56,19 @@ bdf_ring bdf_ring_empty(void);
 /* Returns the formula for a step from the state at place[1]. */
 bdf_formula bdf_ring_formula(const bdf_ring *ring, double step);
 
-/* Makes the state being solved the last accepted state. It is passing if it lies less than `least`
- * after the state at which its step began. While steps grow, or with fewer than BDF_PREVIOUS
- * states, no state is passing. */
+/* Makes the state being solved the last accepted state. This state is passing if its step is
+ * shorter than `least`. While steps grow, or with fewer than BDF_PREVIOUS previous states, no state
+ * is passing. */
 void bdf_ring_accept(bdf_ring *ring, double time, double least);
 
-/* Returns the place of an accepted state, `steps` (0 to num_previous) before the state being
- * solved. If a state is passing, it is the last accepted state. */
+/* Returns the place of the accepted state that is `steps` (0 to num_previous) steps before the
+ * state being solved. A passing state counts as the last accepted state. */
 size_t bdf_ring_accepted(const bdf_ring *ring, size_t steps);
 
 /* Lets the next step begin at the passing state after all. Drops the oldest state. */
 void bdf_ring_promote(bdf_ring *ring);
 
-/* Makes the last accepted state the only one. */
+/* Drops all accepted states except the last one. */
 void bdf_ring_restart(bdf_ring *ring);
 
 /* Keeps only the states at place[1] to place[num_states]. */

@@ -7,11 +7,12 @@
 const double march_exit_margin = 0.1;
 const double march_error_growth = 1.5;
 
-/* Longest path of the fluid in a step, in half widths, with which errors of many steps add up in
- * the central film. On such a path a film takes many steps to reach the centre, and accumulates the
- * error of each step. In a longer step the film reaches the centre within this step, so that only
- * the local error of this step matters. Without this distinction the error after a slow ramp of the
- * load by 8 % was 1.7 %. With it the error is 0.14 %, at a tolerance of 0.15 % (test_full_march.c,
+/* Longest path of the fluid in a step, in half widths, for which the error of a step is the error
+ * that a film accumulates on its way to the centre. With such short steps a film takes many steps
+ * to reach the centre, and accumulates the error of each step. In a longer step the film reaches
+ * the centre within this step, so that only the local error of this step matters. Without this
+ * distinction the error after a slow ramp of the load by 8 % was 1.7 %. With the distinction the
+ * error is 0.14 %, at a tolerance of 0.15 % (test_full_march.c,
  * a_slow_ramp_along_the_path_ends_at_rest). */
 static const double SHORT_PATH = 0.25;
 
@@ -70,8 +71,8 @@ double bdf_march_missed(const bdf_march *self, size_t r) {
 }
 
 /* With transport along the path, checks whether the film before the centre differs from its
- * prediction by more than MOST_MISSED. The local error does not show this, because with this
- * transport it leaves out the inlet. Without entrainment there is no inlet. */
+ * prediction by more than MOST_MISSED. The local error does not show such a difference, because
+ * with this transport it leaves out the inlet. Without entrainment there is no inlet to check. */
 static bool is_another_solution(const bdf_march *self, double central_film) {
     const double most = MOST_MISSED * central_film;
     const double direction = self->model->reverses ? self->entrainment : 1;
@@ -155,9 +156,10 @@ static ehd_status attempt_from(march_step *outcome, bdf_march *self, const conta
     return EHD_OK;
 }
 
-/* Attempts a step. After a passing state the step begins at the state before it. If this step does
- * not converge, repeats the step from the passing state. Errors that films accumulated before the
- * passing state, along at most one grid step, are then neglected. */
+/* Attempts a step. If the last state is passing, the step begins at the state before it. If this
+ * step does not converge, repeats the attempt with a step that begins at the passing state. The
+ * errors that films accumulated up to the passing state, along at most one grid step, are then
+ * neglected. */
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
                           double step, ehd_error *error) {
     bdf_march *self = solver;
@@ -174,7 +176,8 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
 /* Returns the least time between two states at which steps begin (README.md, Steps of another
  * integrator). */
 static double least_interval(const bdf_march *self, const contact_frame *frame) {
-    // in steps of the grid (README.md, BDF2; test_online_transient.c, steps_may_have_any_lengths)
+    // least path of the fluid between these states, in steps of the grid (README.md, BDF2;
+    // test_online_transient.c, steps_may_have_any_lengths)
     const double least = 0.5;
 
     return self->allows_short && bdf_march_along_path(self)
@@ -272,8 +275,8 @@ static ehd_status take_state(bdf_march *self, const bdf_march *from, size_t step
     return EHD_OK;
 }
 
-/* Computes the difference between both models' last accepted films. The model of `self` may
- * represent the film less exactly. */
+/* Computes the difference between the last accepted films of both marches. The model of `self` may
+ * represent the film less accurately than the other model. */
 static void find_change(bdf_march *self, const bdf_march *from, hand_over *work) {
     const ehd_grid *grid = &self->reference->grid;
     const size_t line = grid_central_line(grid) / grid_width(grid);
@@ -370,7 +373,7 @@ static ehd_status restore_state(bdf_march *self, size_t place, const double *sav
     return status ? status : self->model->restore(self, place, saved + NUM_FRAME, error);
 }
 
-/* Checks the saved numbers of previous and passing states. */
+/* Checks how many previous and passing states the saved data have. */
 static ehd_status check_head(const double *head, const bdf_march *self, ehd_error *error) {
     const double count = head[NUM_PREVIOUS], passing = head[IS_PASSING];
     const bool may_pass = self->model->passes && count == BDF_PREVIOUS;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Marches by BDF2 steps (bdf.h; README.md, BDF2) with any model. It holds the accepted states and,
- * along the path, the base. It computes local errors, and saves and restores states. A model
- * supplies the functions of bdf_model.
+/* Marches any model in time by BDF2 steps (bdf.h; README.md, BDF2). The march holds the accepted
+ * states and, with transport along the path, the base. It computes local errors, and saves and
+ * restores states. A model supplies the functions of bdf_model.
  * Called by fullrun/full_march.c and romrun/online/reduced_march.c. */
 #ifndef EHD_BDF_MARCH_H
 #define EHD_BDF_MARCH_H
@@ -11,17 +11,17 @@
 #include "common/time/film_errors.h"
 #include "common/time/march.h"
 
-/* Source: BDF2 with equal steps; the rate of the formula times the step. If each of many equal
- * steps adds an error to a film, BDF2 enlarges this error by this factor. The change by the filter
- * is such an error. */
+/* Source: BDF2 with equal steps; the number is the rate of the formula times the step. If each of
+ * many equal steps adds an error to a film, BDF2 enlarges the error by this factor. The change of
+ * the film that the filter causes is such an error. */
 extern const double march_error_growth;
 
 /* Distance from the exit boundary, in half widths, within which the local error is not evaluated.
- * The boundary moves by whole nodes. Near it this causes noise that shorter steps do not reduce
- * (test_full_march.c, local_error_is_that_before_the_exit). */
+ * The boundary moves by whole nodes, which causes noise near the boundary. Shorter steps do not
+ * reduce this noise (test_full_march.c, local_error_is_that_before_the_exit). */
 extern const double march_exit_margin;
 
-/* Places of a model's states: the places of the ring, and one for the base. With transport
+/* Places of a model's states: the places of the ring, and one place for the base. With transport
  * along the path, previous states are carried as differences from the base (README.md, Along
  * the path). */
 enum { BDF_BASE = BDF_STATES, NUM_BDF_PLACES };
@@ -41,21 +41,21 @@ typedef struct hand_over {
     arena memory;
 } hand_over;
 
-/* Functions of a model. `self` is the model's own struct, whose first member is its bdf_march. The
+/* Functions of a model. `self` is the model's own struct, whose first member is a bdf_march. The
  * state that is being solved is at bdf_march_place(…, 0). */
 typedef struct bdf_model {
     bool passes;   // accepted states may be passing (bdf.h)
     bool reverses; // the entrainment may be zero or reverse; else the inlet is always at X < 0
-    /* Solves the stationary state at the start. Sets its frame and the whole outcome. Discards
-     * previous states. */
+    /* Solves the stationary state at the start. Sets the frame of this state and the whole outcome.
+     * Discards previous states. */
     ehd_status (*start)(march_step *outcome, void *self, const contact_frame *frame,
                         ehd_error *error);
-    /* Solves the attempt. The march has set its frame and filtered the previous states. `contact`
-     * has the entrainment of the rows. Sets the masses, and status, reason, scalars, iterations
-     * and residual of the outcome. */
+    /* Solves the attempt. The march has set the frame of the attempt and filtered the previous
+     * states. `contact` comes from bdf_march_contact. Sets the masses, and status, reason, scalars,
+     * iterations and residual of the outcome. */
     ehd_status (*solve)(march_step *outcome, void *self, const ehd_contact *contact,
                         ehd_error *error);
-    void (*mark)(void *self); // sets `counts` of the masses for the solved attempt
+    void (*mark)(void *self); // sets masses.counts for the solved attempt
     /* Integrates bdf_march_missed over X from each upstream place to the centre. Returns the
      * largest integral divided by the path of the fluid in the step. */
     double (*error_on_the_way)(void *self);
@@ -70,16 +70,16 @@ typedef struct bdf_model {
      * the filter that is applied to the state, 0 … 1. */
     void (*prepare)(void *self, size_t place, double share);
     ehd_status (*use_base)(void *self, ehd_error *error); // prepares the base
-    /* Save and restore a state without its frame. EHD_DATA: the numbers are not a state. */
+    /* Save and restore a state without its frame. EHD_DATA: the numbers are not a valid state. */
     void (*save)(double *target, const void *self, size_t place);
     ehd_status (*restore)(void *self, size_t place, const double *source, ehd_error *error);
-    /* Save and restore all other data of the model, as numbers in front of the states and behind
-     * them. They are restored before the states are prepared. */
+    /* Save and restore all other data of the model, as numbers in front of the saved states and
+     * behind these states. The other data are restored before the states are prepared. */
     void (*save_rest)(double *front, double *behind, const void *self);
     ehd_status (*restore_rest)(void *self, const double *front, const double *behind,
                                ehd_error *error);
-    // Functions for handing a march to another model. They are NULL in models that never do this.
-    void (*give)(handed_state *given, const void *self, size_t place); // all but the frame
+    // Functions for handing states over to another model. They are NULL in models that never do so.
+    void (*give)(handed_state *given, const void *self, size_t place); // sets all but the frame
     /* Takes a state as accurately as the model can represent it. The frame of the state is already
      * set. Error: EHD_MEMORY. */
     ehd_status (*take)(void *self, size_t place, const handed_state *given, ehd_error *error);
@@ -99,7 +99,7 @@ typedef struct bdf_model {
                                  const contact_scalars *scalars);
 } bdf_model;
 
-/* rho H at the nodes of a model's rows. */
+/* Values of rho H, the mass of fluid per area, at the grid nodes of a model's rows. */
 typedef struct bdf_masses {
     size_t num_rows;
     const size_t *node;             // [num_rows]
@@ -111,7 +111,7 @@ typedef struct bdf_masses {
 typedef struct bdf_march {
     // set by the model:
     const bdf_model *model;
-    const ehd_contact *reference;               // the contact at all factors 1
+    const ehd_contact *reference;               // contact with all factors equal to 1
     contact_frame *frame[NUM_BDF_PLACES];       // frames of the model's states
     size_t state_size, front_size, behind_size; // how many numbers the model saves in each part
     bdf_masses masses;
@@ -127,7 +127,8 @@ typedef struct bdf_march {
     double entrainment;
 } bdf_march;
 
-/* Initialises a march without states. Allocates the masses of num_rows rows from `memory`. */
+/* Initialises a march without states. Allocates the arrays of self->masses, which hold rho H at the
+ * nodes of num_rows rows, from `memory`. */
 void bdf_march_init(bdf_march *self, size_t num_rows, arena *memory);
 
 /* Returns the march as a solver for march_run. Its `self` is the model's struct. */
@@ -135,17 +136,17 @@ march_solver bdf_march_solver(bdf_march *self);
 
 bool bdf_march_along_path(const bdf_march *self);
 
-/* Returns the place of the state that the formula uses `steps` steps before the one being
- * solved. */
+/* Returns the place of the state that is `steps` steps before the state being solved. Like the
+ * formula, leaves out a passing state. */
 size_t bdf_march_place(const bdf_march *self, size_t steps);
 
-/* Returns the place of the accepted state `steps` before the attempt; 1 is the last state. Passing
- * states are included. */
+/* Returns the place of the accepted state that is `steps` steps before the attempt; 1 is the last
+ * state. A passing state is included. */
 size_t bdf_march_accepted(const bdf_march *self, size_t steps);
 
-/* Computes the contact in a frame, with the entrainment of its transient rows. With transport along
- * the path this entrainment is zero, because the time derivative contains it. *entrainment:
- * entrainment of the fluid. */
+/* Computes the contact in a frame. contact->entrainment is the factor of the entrainment term in
+ * the equations of a step. With transport along the path it is zero, because the time derivative
+ * along the path contains this term. *entrainment: entrainment of the fluid. */
 void bdf_march_contact(ehd_contact *contact, double *entrainment, const contact_frame *frame,
                        const bdf_march *self);
 
@@ -159,11 +160,12 @@ double bdf_march_missed(const bdf_march *self, size_t r);
 ehd_status hand_over_init(hand_over *self, const ehd_grid *grid, ehd_error *error);
 void hand_over_free(hand_over *self);
 
-/* Computes a state on the grid. */
+/* Computes the state at a place on the grid, with its frame. */
 void bdf_march_give(handed_state *given, const bdf_march *self, size_t place);
 
-/* Takes the accepted states of another march, with their errors. With transport along the path,
- * also takes the base of that march, unless `has_base`. Sets work->change. Error: EHD_MEMORY. */
+/* Takes the accepted states of another march, with the errors of their films. With transport along
+ * the path, also takes the base of that march, unless `has_base`: this march has taken the base
+ * before. Sets work->change. Error: EHD_MEMORY. */
 ehd_status bdf_march_take_over(bdf_march *self, const bdf_march *from, bool has_base,
                                hand_over *work, ehd_error *error);
 

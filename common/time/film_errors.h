@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes the errors of rho H that time steps and the filter cause. A film accumulates these
- * errors on the central line of the dry contact and carries them along (common/time/README.md,
- * Errors in time).
+/* Computes the errors of rho H that time steps and the filter cause, on the central line of the dry
+ * contact. A film accumulates these errors, and the fluid carries them along
+ * (common/time/README.md, Errors in time).
  * Called by bdf_march.c, by fullrun/full_march.c, and by reduced_march.c and time_indicator.c in
  * romrun. */
 #ifndef EHD_FILM_ERRORS_H
@@ -11,7 +11,7 @@
 
 #include <stddef.h>
 
-enum { NUM_ERROR_PLACES = 201 }; // places from X = -1 to 1
+enum { NUM_ERROR_PLACES = 201 }; // number of places, evenly spaced from X = -1 to 1
 
 /* Errors at the places. A zero struct has no errors. */
 typedef struct film_errors {
@@ -23,25 +23,26 @@ typedef struct film_errors {
 /* Returns X of a place. */
 double film_errors_place(size_t i);
 
-/* Sets the kept errors, [NUM_ERROR_PLACES]; NULL: none. */
+/* Sets the kept errors, [NUM_ERROR_PLACES]. If `kept` is NULL, they are zero. */
 void film_errors_set(film_errors *self, const double *kept);
 
-/* Computes how much two films, [num_nodes] each, differ. Each place gets the largest difference at
- * the nodes around it. The function uses the nodes of the central line before column `end`, the
- * exit. */
+/* Computes the difference between two films, [num_nodes] each. The result at a place is the largest
+ * difference at the nodes around this place. Only nodes of the central line before column `end`,
+ * the exit, are used. */
 void film_errors_between(
     // output:
     double errors[NUM_ERROR_PLACES],
     // input:
     const double *film, const double *other, const ehd_grid *grid, size_t end);
 
-/* Carries the kept errors along with the fluid to `next`. Fluid that was upstream of the dry
- * contact has no error. */
+/* Carries the kept errors along with the fluid, from the frame `then` to the frame `now`, and
+ * stores the result in `next`. Fluid that was upstream of the dry contact has no error. */
 void film_errors_carry(film_errors *self, const contact_frame *then, const contact_frame *now);
 
-/* Sets the error of entering fluid in `next` to `value`, after film_errors_carry. Errors are upper
- * bounds and not negative. `value` is set at the places before `x` and, unless `then` is NULL, at
- * the places whose fluid has entered the dry contact since the state `then`. */
+/* Sets the error of entering fluid in `next` to `value`, after film_errors_carry. The caller uses
+ * the errors as upper bounds, so negative values are set to 0. `value` is set at the places before
+ * `x` and, unless `then` is NULL, at the places whose fluid has entered the dry contact since the
+ * state `then`. */
 void film_errors_enter(film_errors *self, const contact_frame *then, const contact_frame *now,
                        double x, double value);
 

@@ -14,7 +14,7 @@ contact_frame frame_at(const contact_kind *kind, double time, const double *valu
                            .modulus = values[VARY_MODULUS],
                            .approach = approach};
 
-    // the ratio is the same for all shapes
+    // the ratio of half widths is the same for all contact shapes
     frame.half_width = kind->half_width(&shape_round, frame.load, frame.radius, frame.modulus) /
                        kind->half_width(&shape_round, 1, 1, 1);
     frame.hertz_pressure =
@@ -96,8 +96,8 @@ double frame_shortest_step(const contact_frame *frame, const ehd_grid *grid) {
 }
 
 double frame_step_share(const contact_frame *frame, double step, const ehd_grid *grid) {
-    // a sixteenth of the grid's step: with a quarter, films drifted in fixed steps of a fifth of
-    // the grid's step
+    // a sixteenth of the grid step: with a quarter of the grid step, films drifted in fixed steps
+    // that were a fifth of the grid step
     return fmin(16 * step / frame_grid_step(frame, grid), 1);
 }
 
@@ -124,7 +124,7 @@ closing_gap frame_closing_gap(const contact_frame *now, const contact_frame *bef
     frame_contact(&contact, now, reference);
     const double speed = fabs(contact.entrainment);
     const bool line = contact.kind->dimensions == 1;
-    const double closes = growth * end / 2 - speed; // -D(X^2/2)/DT at `end`, over X
+    const double closes = growth * end / 2 - speed; // -D(X^2/2)/DT divided by X, at X = `end`
     gap.begin = fmax(2 * speed / growth, 1);
     gap.load = 3. / 8 * contact.lambda * growth / contact.kind->load * (line ? 1 / gap.begin : 2);
     if (closes > 0)
@@ -167,7 +167,7 @@ contact_traction frame_traction_to_reference(contact_traction current, const con
     current.friction *= frame->load;
     current.rolling_resistance *= frame->load;
     current.rolling_moment *= frame->load * frame->half_width;
-    current.power *= frame->load * frame->half_width; // the speed is in half widths
+    current.power *= frame->load * frame->half_width; // the speed in the power is in half widths
     current.mean_stress *= frame->hertz_pressure;
     current.largest_stress *= frame->hertz_pressure;
     return current;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes the moving frame of a contact that varies with time: everything is scaled by the
- * current contact size and Hertz pressure, time by the reference (Maier et al. 2015, eq. 6;
- * README.md, The moving frame).
+/* Computes the moving frame of a contact that varies with time. All quantities are scaled by the
+ * current contact size and Hertz pressure. Only time is scaled by the reference (Maier et al. 2015,
+ * eq. 6; README.md, The moving frame).
  * Called by march.c for each time, and by both models to carry states from frame to frame. */
 #ifndef EHD_FRAME_H
 #define EHD_FRAME_H
@@ -12,8 +12,8 @@
 /* Conditions and scales of the contact at one time, relative to the reference. */
 typedef struct contact_frame {
     double time;  // T = u_ref t / a_ref
-    double load;  // load that scales the frame; if the load is given, this load
-    double speed; // entrainment, of either sign
+    double load;  // load that scales the frame: the given load, or an estimate of the load
+    double speed; // entrainment, positive or negative
     double radius;
     double modulus;
     double approach;       // given H0, in the reference frame; NaN: the load is given
@@ -23,7 +23,7 @@ typedef struct contact_frame {
     double path;           // path of the fluid, int u/u_ref dT, in reference half widths
 } contact_frame;
 
-/* Number of doubles in a frame. All of its members are doubles. */
+/* Number of doubles in a frame. All members of a frame are doubles. */
 enum { NUM_FRAME = sizeof(contact_frame) / sizeof(double) };
 _Static_assert(sizeof(contact_frame) == NUM_FRAME * sizeof(double), "a frame is doubles alone");
 
@@ -44,15 +44,15 @@ void frame_contact(
     // input:
     const contact_frame *frame, const ehd_contact *reference);
 
-/* Returns the ratio of the place in frame `then` to the place X in frame `now`, for the same
- * physical place. */
+/* Returns the ratio of X in frame `then` to X in frame `now`, for the same physical place. */
 double frame_stretch(const contact_frame *now, const contact_frame *then);
 /* Returns the ratio of the film in frame `now` to the film in frame `then`, for the same physical
  * film. */
 double frame_film_ratio(const contact_frame *now, const contact_frame *then);
 
-/* Returns the shift of the fluid between two frames, from the path that it has travelled between
- * them. The fluid that is at X in frame `now` was at X' = stretch X - shift in frame `then`. */
+/* Returns the shift of the fluid between two frames, computed from the path that the fluid has
+ * travelled. The fluid that is at X in frame `now` was at X' = stretch X - shift in frame `then`,
+ * with stretch from frame_stretch. */
 double frame_shift(const contact_frame *now, const contact_frame *then);
 
 /* Returns the time in T in which the fluid moves by one step of the grid. The dimensionless
@@ -81,18 +81,18 @@ contact_frame frame_of_load(const contact_kind *kind, const contact_frame *frame
 /* Rates of change of a contact between two frames. */
 typedef struct frame_rates {
     double all;  // |d ln a/dT| + |d(u/u_ref)/dT|
-    double load; // |d ln a/dT|, by load, radius or modulus
+    double load; // |d ln a/dT|; load, radius and modulus change a
 } frame_rates;
 /* Returns the mean rates between two frames; 0 for two frames of the same time. */
 frame_rates frame_rates_between(const contact_frame *now, const contact_frame *before);
 
-/* A gap that closes behind the contact, where dh/dt outweighs u dh/dx. While the radius grows, this
- * region lies behind x = 2 R u/(dR/dt). A second zone of pressure builds up in this region. In the
- * gap X^2/2 of a line contact without deflection, the zone begins at 2/3 of that x and its pressure
- * falls as 1/X^2 (README.md, A gap that closes behind the exit). On a point contact the width of
- * the zone is taken as its distance from the centre. */
+/* A gap that closes behind the contact, where |dh/dt| is larger than u dh/dx. While the radius
+ * grows, this region lies behind x = 2 R u/(dR/dt). A second zone of pressure builds up in this
+ * region. In the gap X^2/2 of a line contact without deflection, the zone begins at 2/3 of this x,
+ * and the pressure in the zone falls as 1/X^2 (README.md, A gap that closes behind the exit). On a
+ * point contact the width of the zone is taken as twice its distance from the centre. */
 typedef struct closing_gap {
-    double begin; // |X| from which on the gap closes, at least 1; INFINITY: it does not close
+    double begin; // |X| behind which the gap closes, at least 1; INFINITY: the gap does not close
     double load;  // load of the second zone, relative to the whole load
     // estimate of the load that is missing because the pressure is zero at `end`, relative to the
     // whole load
@@ -104,8 +104,8 @@ typedef struct closing_gap {
 closing_gap frame_closing_gap(const contact_frame *now, const contact_frame *before,
                               const ehd_contact *reference, double end);
 
-/* Converts scalars from the current frame to the constant reference frame. The load becomes
- * relative to the reference. */
+/* Converts scalars from the current frame to the constant reference frame. The load is then
+ * relative to the reference load. */
 contact_scalars frame_to_reference(const contact_scalars *current, const contact_frame *frame,
                                    const ehd_contact *reference);
 

@@ -11,14 +11,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MIN_LINEAR = 2, MIN_SPLINE = 3 }; // least rows of a table
+enum { MIN_LINEAR = 2, MIN_SPLINE = 3 }; // least numbers of rows in a table
 
-// Bounds of the times in a table, as of times in a scene
+// Bounds of the times in a table, and of the distance between two of them. Times in a scene have
+// the same bounds.
 static const double MAX_TIME = 1e12, MIN_DISTANCE = 1e-9;
 
 typedef struct history_law history_law;
 
-/* The history of one quantity. */
+/* History of one quantity. */
 typedef struct history {
     const history_law *law;
     history_settings given;
@@ -226,7 +227,7 @@ static double line_value(const history *self, double time) {
     return self->values[i] * (1 - part) + self->values[i + 1] * part;
 }
 
-/* Returns the value at a time; outside of the table its first or last value. */
+/* Returns the value at a time. Outside of the table this is the first or the last value. */
 static double table_value(const history *self, double time) {
     const size_t last = self->count - 1;
     if (time <= self->time[0]) return self->values[0];
@@ -276,8 +277,8 @@ static double table_integral(const history *self, double time) {
     return beyond + integral_of_rows(self, within) - integral_of_rows(self, 0);
 }
 
-/* Returns the next row of a table with linear interpolation, because the value has a corner at each
- * row. A spline has no corners. */
+/* Returns the time of the next row of a table with linear interpolation, which has a kink at each
+ * row. A spline has no kinks. */
 static double table_next_kink(const history *self, double time, bool *jump) {
     *jump = false;
     if (self->spline || time >= self->time[self->count - 1]) return INFINITY;

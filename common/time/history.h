@@ -15,15 +15,15 @@ typedef struct ehd_histories ehd_histories;
 /* Reads the tables of a valid scene and checks all histories on 0 <= T <= end_time. The histories
  * of a stationary scene are constant. EHD_DATA or EHD_NOINPUT: a table is missing, unreadable, too
  * short, not finite, not increasing in time, or does not cover the time. EHD_DATA: radius or
- * modulus is not above 0 somewhere, the load is below 0, or the speed is below 0 with another
- * transport than path. EHD_MEMORY. Reads HDF5, so only one call at a time (artefact.h). */
+ * modulus is not above 0 somewhere, the load is below 0, or the speed is below 0 and `transport` is
+ * not `path`. EHD_MEMORY. Reads HDF5, so only one call at a time (artefact.h). */
 ehd_status histories_init(
     // output:
     ehd_histories **self, // free with histories_free; NULL after a failure
     // input:
     const scene *given, ehd_error *error);
 
-/* Reads histories like histories_init, for a reduced model, which is trained on one direction.
+/* Reads histories like histories_init, for a reduced model, which is trained for one direction.
  * Also returns EHD_DATA if the speed or the speed of the start is below 0. */
 ehd_status histories_init_forward(
     // output:
@@ -39,7 +39,7 @@ ehd_status histories_init_training(
     // input:
     const scene *given, ehd_error *error);
 
-/* Checks whether the speed is below 0 somewhere, or the speed of the start is. */
+/* Checks whether the speed is below 0 at any time, or the speed of the start is below 0. */
 bool histories_reverse(const ehd_histories *self);
 
 /* Frees `self`, which may be NULL. Returns NULL. */
@@ -50,25 +50,25 @@ ehd_histories *histories_free(ehd_histories *self);
  * therefore does not contain the jump. */
 void histories_at(
     // output:
-    double value[NUM_VARY], // by VARY_LOAD, …
+    double value[NUM_VARY], // indexed by VARY_LOAD, …
     // input:
     const ehd_histories *self, double time);
 
-/* Returns the speed whose stationary film is the start: the speed of the history at T = 0, unless
- * the scene gives another. */
+/* Returns the speed whose stationary film is the start. It is the speed of the history at T = 0,
+ * unless the scene gives transient.start_speed. */
 double histories_start_speed(const ehd_histories *self);
 
 /* Returns the integral of the speed from T = 0 to `time`: the path of the fluid, in reference half
  * widths. */
 double histories_path(const ehd_histories *self, double time);
 
-/* Returns the first time after `time` at which some history has a kink or jumps; INFINITY: there is
- * none. */
+/* Returns the first time after `time` at which some history has a kink or jumps. INFINITY: there is
+ * no such time. */
 double histories_next_kink(
     // input:
     const ehd_histories *self, double time,
     // output:
-    bool *jump); // whether some history jumps there
+    bool *jump); // whether some history jumps at this time
 
 /* Returns the shortest time scale of all histories, for the length of the first step: a period /
  * (2 pi), the duration of a ramp, or the smallest distance of a table's times. INFINITY: nothing
@@ -76,7 +76,8 @@ double histories_next_kink(
 double histories_shortest_time(const ehd_histories *self);
 
 /* Returns the shortest time scale of the histories that have no kinks, such as sines and splines.
- * All other histories are monotone between kinks, and each kink ends a step. INFINITY: none. */
+ * All other histories are monotone between kinks, and a step ends at each kink. INFINITY: all
+ * histories are constant or have kinks. */
 double histories_smooth_time(const ehd_histories *self);
 
 #endif

@@ -11,55 +11,57 @@
 #include <string.h>
 
 /* Divisor of the tolerance that gives the allowed local error of one step. Local errors add up
- * over the hundreds of steps that a film takes through the contact. Measured with a load of period
- * 1/2: the error of the central film is at most twenty tolerances. This error is proportional to
- * the power 2/3 of the tolerance (test_march.c, tolerance_controls_the_error). */
+ * over the hundreds of steps in which a film passes through the contact. Measured with a load of
+ * period 1/2: the error of the central film is at most twenty tolerances. This error is
+ * proportional to the power 2/3 of the tolerance (test_march.c, tolerance_controls_the_error). */
 static const double PASSAGE = 30;
 
-/* Largest accumulated error of a film at any time, in tolerances. The tolerance itself is a root
- * mean square over time. Errors that travel with a front do not cancel along the way. If the error
- * exceeds this bound, steps become more accurate by the same factor. With a load that swings by 40
- * % (scenes/studies/transient-load) the error is then 1.8 tolerances of 5e-3 instead of 6.0
+/* Largest accumulated error of a film at any time, in tolerances. The tolerance itself limits the
+ * root mean square over time. Errors that travel with a front do not cancel along the way. If the
+ * error exceeds this bound, the local error of a step is multiplied by the ratio of the error
+ * to the bound, so that steps become shorter. With a load that swings by 40 %
+ * (scenes/studies/transient-load) the error is then 1.8 tolerances of 5e-3 instead of 6.0
  * (test_march.c, what_films_have_taken_up_shortens_steps). */
 static const double MOST_TAKEN_UP = 8;
 
 /* First fixed step with transport along the path, as a fraction of the later fixed steps. A long
  * step of first order causes a front in the film. Example: steps of 0.1 under a load that swings by
- * a fifth (scenes/examples/line-in-time), compared with steps of 0.0125. A whole first step gives
- * errors up to 2.1 %, an eighth of a step 1.5 %. */
+ * a fifth (scenes/examples/line-in-time), compared with steps of 0.0125. With a whole first step
+ * errors are up to 2.1 %, with an eighth of a step up to 1.5 %. */
 static const double FIRST_OF_FIXED = 1. / 8;
 
-/* Largest ratio of successive steps. It stays below bdf_most_growth. With 1.3,
+/* Largest ratio of successive steps. It stays below bdf_most_growth. If the largest ratio is 1.3,
  * scenes/examples/line-in-time at a step of 0.02 takes 61 steps instead of 57 (test_march.c,
  * steps_grow_by_two_at_most). */
 static const double MAX_GROWTH = 2;
 
 /* Ratio of the next attempt to a step in which Newton did not converge. Such a step has no local
- * error (test_march.c, failed_step_is_taken_again). It is also the smallest factor by which the
- * local error shortens a step. Factors from 0.05 to 0.5 do not change the steps of
- * scenes/examples/line-in-time. */
+ * error from which a ratio could be computed (test_march.c, failed_step_is_taken_again). The same
+ * ratio is the smallest factor by which the local error shortens a step. Ratios from 0.05 to 0.5 do
+ * not change the steps of scenes/examples/line-in-time. */
 static const double SHRINK = 0.25;
 
-/* Ratio of a step to the step at which the local error would equal the tolerance. With 0.85
- * scenes/examples/line-in-time at a step of 0.02 takes 63 attempts; with 0.6 it takes 67, and with
- * 1 it takes 71. With upwind transport the numbers are 181, 234 and 204 (test_march.c,
+/* Ratio of a step to the step at which the local error would equal the tolerance. Number of
+ * attempts of scenes/examples/line-in-time at a step of 0.02: 63 with a ratio of 0.85, 67 with 0.6,
+ * and 71 with 1. With upwind transport these numbers are 181, 234 and 204 (test_march.c,
  * tolerance_controls_the_error). */
 static const double SAFETY = 0.85;
 
-/* Fraction of the solver's noise level that is kept for the next step. 0.09 is too small for
- * test_march.c, steps_stand_above_noise. */
+/* Fraction of the solver's noise level that is kept for the next step. A fraction of 0.09 is too
+ * small for test_march.c, steps_stand_above_noise. */
 static const double NOISE_KEPT = 0.9;
 
-/* WATCHED_ATTEMPTS: number of attempts after which the progress of a march is checked. With 30 a
- * march ends too early. STILL_ATTEMPTS: number of attempts after which a march is checked for
- * standstill. With 3 it ends too early, with 10,000 too late (test_march.c, step_size_underflows,
- * crawling_ends). */
+/* WATCHED_ATTEMPTS: number of attempts after which the progress of a march is checked. If this
+ * number is 30, a march ends too early. STILL_ATTEMPTS: number of attempts after which a march is
+ * checked for standstill. If this number is 3, a march ends too early; if it is 10,000, too late
+ * (test_march.c, step_size_underflows, crawling_ends). */
 enum { WATCHED_ATTEMPTS = 3000, STILL_ATTEMPTS = 100 };
 
-/* MIN_STEP: least step, relative to the first one. 1e-3 is too large for test_march.c,
- * crawling_ends. SUM_ROUNDING: relative round-off of a time, which is a sum of steps. With 0,
- * steps would become too short to change the time (test_march.c, step_size_ends_above_rounding).
- * With 1e-10, fixed steps fail late in time (test_march.c, fixed_steps_go_on_late_in_time). */
+/* MIN_STEP: shortest step, divided by the first step. A value of 1e-3 is too large for
+ * test_march.c, crawling_ends. SUM_ROUNDING: relative round-off of a time, which is a sum of steps.
+ * If SUM_ROUNDING is 0, steps become too short to change the time (test_march.c,
+ * step_size_ends_above_rounding). If it is 1e-10, fixed steps fail late in time (test_march.c,
+ * fixed_steps_go_on_late_in_time). */
 static const double MIN_STEP = 1e-9, SUM_ROUNDING = 8 * DBL_EPSILON;
 
 /* Longest step while the bodies are apart, as a fraction of the shortest time of smooth histories.
@@ -68,12 +70,12 @@ static const double MIN_STEP = 1e-9, SUM_ROUNDING = 8 * DBL_EPSILON;
  * no_contact_is_missed). */
 static const double WATCHED_PART = 1. / 16;
 
-/* Fraction of a step. Two times that are closer together than this fraction are treated as one
- * (test_march.c, times_closer_than_a_thousandth_of_the_step_are_one). */
+/* Two times that are closer together than this fraction of a step are treated as one (test_march.c,
+ * times_closer_than_a_thousandth_of_the_step_are_one). */
 static const double SLIVER = 1e-3;
 
-/* Largest number of halvings of a step for a surface. So many halvings leave 1e-18 of the step
- * (README.md, A surface that is not smooth). */
+/* Largest number of halvings of a step because of a surface. After so many halvings 1e-18 of the
+ * step is left (README.md, A surface that is not smooth). */
 enum { MAX_HALVINGS = 60 };
 
 march_settings march_settings_of(const scene *given, const ehd_histories *histories,
@@ -205,8 +207,9 @@ double load_forecast_scale(const load_forecast *self, double step, const ehd_gri
 }
 
 /* Returns the distance up to which two times are treated as one. With a distance of zero, a linear
- * table with times k/30 of nine digits and a fixed step of 1/30 took 1040 steps in place of 64: an
- * event cut a step short, and each later step is at most twice the step before. */
+ * table with times k/30 of nine digits and a fixed step of 1/30 took 1040 steps instead of 64. An
+ * event just before or after a multiple of the fixed step caused a very short step, and each step
+ * is at most twice the step before. */
 static double least_distance(double time, double step) {
     return fmax(SLIVER * step, SUM_ROUNDING * time);
 }
@@ -216,7 +219,9 @@ typedef struct next_stop {
     double time;
     bool is_kink; // the histories have an event there
     bool is_jump; // the histories jump there
-    // time of the first jump of this stop, else `time`; time of the last event
+    // held: time of the first jump that belongs to this stop; equals `time` if there is no jump
+    // last: time of the last event that belongs to this stop; equals `time` if there is no other
+    // event
     double held, last;
 } next_stop;
 
@@ -262,11 +267,13 @@ static next_stop find_next_stop(const march *self) {
     const double time = state->time, step = step_of_surface(self);
     const double distance = least_distance(time, step);
     const double fixed = self->settings.fixed_step, end = self->settings.end_time;
-    // events up to this time belong to the present time; the step may have become shorter since
+    // Events up to this time were treated as the end of the last step. If the step has become
+    // shorter since then, an event may now be too far ahead for this.
     const double since = fmax(time, fmin(state->last_event, time + distance));
     bool jump;
     const double kink = histories_next_kink(self->histories, since, &jump);
-    // a multiple, not a sum: times do not drift, and a step that was cut falls back into place
+    // A multiple of the fixed step, not a sum of steps: times do not drift, and after a shortened
+    // step the march returns to the multiples.
     const double multiple =
         isnan(fixed) ? INFINITY : (floor((time + distance) / fixed) + 1) * fixed;
     const double event = fmin(fmin(kink, multiple), end);
@@ -294,11 +301,11 @@ static contact_frame frame_at_stop(const march *self, const next_stop *stop, dou
 }
 
 /* Returns the local error of a step, corrected after a kink of the histories. The solvers assume a
- * smooth solution. Right after a kink its second derivative has jumped by some J. The prediction is
- * then off by J step^2 / 2, and BDF2 is off by last_step / (2 step + last_step) times that. After
- * long steps this error is much more than in a smooth solution. The error of a step as short as the
- * first one of the march is not corrected: the first derivative may have jumped too, which is
- * harmless. */
+ * smooth solution. At a kink, however, the second derivative of the solution jumps by some J. The
+ * error of the prediction in the next step is then J step^2 / 2. The error of BDF2 is last_step /
+ * (2 step + last_step) times the error of the prediction. After long steps this ratio is much
+ * larger than for a smooth solution. Steps as short as the first step of the march are not
+ * corrected: even a jump of the first derivative is harmless in such steps. */
 static double error_after_kink(const march *self, const march_step *outcome) {
     const double step = outcome->step, interval = outcome->formula.interval;
     const double smooth = outcome->formula.error, local_error = outcome->local_error;
@@ -334,10 +341,11 @@ static double error_order(const march *self) {
 /* Raises the estimate of the solver's noise. If a step is shorter than the attempt before, but its
  * error is not smaller in proportion, the excess is noise of exits that move by whole nodes.
  * Shorter steps do not reduce this noise. For some steps the march then accepts this noise, but not
- * more than PASSAGE tolerances, the error that all steps of a passage together may make. With this
- * rule a reduced model of a point contact (33 nodes a side, 60 modes, 180 rows, load of an unseen
- * period 3/4, upwind) takes 571 steps to T = 3; without it the march does not get beyond T = 1.31.
- * Transport along the path does not need the rule, because its steps have a shortest length. */
+ * more than PASSAGE tolerances. This is the error that all steps together may cause while a film
+ * passes through the contact. Example: a reduced model of a point contact, upwind, 33 nodes a side,
+ * 60 modes, 180 rows, load with a period of 3/4 that is not in the training. With this rule it
+ * takes 571 steps to T = 3; without the rule the march does not get beyond T = 1.31. Transport
+ * along the path does not need the rule, because its steps have a shortest length. */
 static void watch_noise(march *self, const march_step *outcome) {
     march_state *state = &self->state;
     double error = outcome->local_error, tolerance = self->settings.tolerance;
@@ -428,8 +436,8 @@ static void reject(march *self, const march_step *outcome) {
                  state->step, state->time, self->rejected, min_step(self));
 }
 
-/* Returns the length of the next attempt after an accepted step. If an event cut the step short, or
- * the step was shortened for noise, its length does not limit the next one. */
+/* Returns the length of the next attempt after an accepted step. If the step was shortened because
+ * of an event or of noise, its length does not limit the next attempt. */
 static double step_after(const march *self, const march_step *outcome) {
     const march_state *state = &self->state;
     double before = outcome->local_error > self->settings.tolerance ? state->rejected_step : 0;
@@ -494,22 +502,24 @@ static ehd_status advance(march *self, ehd_error *error) {
     return self->store(self->sink, &outcome, (size_t)self->state.num_steps, error);
 }
 
-/* Checks whether the last attempt was accepted at an event of the histories. The histories then
- * determined its length. */
+/* Checks whether the last attempt was accepted and ended at an event of the histories. The length
+ * of such a step is determined by the histories. */
 static bool ended_at_kink(const march *self, double steps_before) {
     return self->state.num_steps > steps_before && self->state.at_kink > 0;
 }
 
-/* Time and number of rejected attempts at the start of the watched attempts. */
+/* Time and number of rejected attempts before the attempts that are watched. */
 typedef struct stillness {
     double time, num_rejected;
 } stillness;
 
-/* Ends a march that stands still: its mean step is shorter than a thousandth of the first one, and
- * with such steps the end is more than a million attempts away. At least one attempt must have been
- * rejected: without rejections, steps become shorter only at events of the histories. */
+/* Ends a march that stands still. The mean step of the last STILL_ATTEMPTS attempts is then shorter
+ * than a thousandth of the first step, and with such steps the end is more than a million attempts
+ * away. At least one attempt must have been rejected: without rejections, steps become shorter only
+ * at events of the histories. */
 static void watch_standstill(march *self, stillness *mark) {
-    // mean step relative to the first one; attempts to the end (test_march.c, crawling_ends)
+    // limits of the mean step, relative to the first step, and of the number of attempts that would
+    // be needed to reach the end (test_march.c, crawling_ends)
     const double shrunk = 1e-3, most_attempts = 1e6;
     const march_state *state = &self->state;
     const double step = (state->time - mark->time) / STILL_ATTEMPTS;
@@ -527,7 +537,8 @@ static void watch_standstill(march *self, stillness *mark) {
 /* Ends a march whose step size collapses. If a model's noise exceeds the tolerance, steps become
  * shorter and shorter, and the end is out of reach. */
 static void watch_progress(march *self, double *mark, double usual) {
-    // relative to `usual`, a time that takes 300,000 attempts at this rate (README.md, BDF2)
+    // least progress in WATCHED_ATTEMPTS attempts, relative to `usual`; at this rate the time
+    // `usual` takes 300,000 attempts (README.md, BDF2)
     const double min_progress = 0.01;
 
     if (!(self->state.time - *mark > min_progress * usual))

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Marches through time, for the full and the reduced model alike. It makes frames from histories,
- * controls the step size by the local error (or keeps it fixed), stops at events and repeats
- * rejected steps (README.md, Step control).
+/* Marches the full or the reduced model through time. It computes frames from histories, controls
+ * the step size by the local error (or keeps it fixed), stops at events and repeats rejected steps
+ * (README.md, Step control).
  * Called by common/output/time_run.c, romrun/calibrate/recording.c and snapgen/trajectory.c. */
 #ifndef EHD_MARCH_H
 #define EHD_MARCH_H
@@ -22,8 +22,9 @@ typedef struct march_step {
     contact_frame frame;
     double step; // 0 at the start
     bdf_formula formula;
-    // largest local error of rho H, relative to the central film; with transport along the path
-    // the error that a film accumulates on its way to the centre; 0: no estimate
+    // Largest local error of rho H, relative to the central film. In short steps with transport
+    // along the path, it is the error that a film accumulates on its way to the centre. 0: no
+    // estimate.
     double local_error;
     contact_scalars scalars; // in the current frame
     // Estimated relative changes of central and minimum film in the limit of small time steps and,
@@ -33,10 +34,10 @@ typedef struct march_step {
     // in this step and the steps before. 0: no estimate.
     double taken_up;
     // Estimated relative deviation of central and minimum film from the full model with the same
-    // steps. NaN: not known.
+    // steps. NaN: the deviation is not known.
     double indicated, indicated_minimum;
     // Estimated relative error of the central film because of the length of the inlet, as if the
-    // contact were stationary. 0: not known.
+    // contact were stationary. 0: the error is not known.
     double inlet_effect;
     size_t iterations; // Newton iterations
     double residual;
@@ -45,15 +46,16 @@ typedef struct march_step {
     bool begins;        // the bodies have just touched again; earlier states are not used
 } march_step;
 
-/* Marks a solved step as EHD_UNTRUSTED. `reason` NULL: leaves the step unchanged. */
+/* Marks a solved step as EHD_UNTRUSTED. If `reason` is NULL, the step stays unchanged. */
 void march_distrust(march_step *self, const char *reason);
 
 /* A solver that can take steps. `self` is the solver's own data. */
 typedef struct march_solver {
     void *self;
-    /* Solves the state that is `step` later, in the frame given. The accepted states do not change,
-     * so a step can be repeated. outcome->frame is the given frame, except when the bodies are
-     * apart or have just touched. A step that does not converge is an outcome, not an error. */
+    /* Solves the state that is `step` later than the last accepted state, in the given frame. The
+     * accepted states do not change, so a step can be repeated. outcome->frame is the given frame,
+     * except when the bodies are apart or have just touched. A step that does not converge is an
+     * outcome, not an error. */
     ehd_status (*attempt)(march_step *outcome, void *self, const contact_frame *frame, double step,
                           ehd_error *error);
     void (*accept)(void *self); // accepts the state of the last attempt
@@ -71,15 +73,15 @@ typedef struct march_solver {
      * accepted states are valid, and the last attempt is not. */
     ehd_status (*touching)(double *approach, double *load, void *self, const contact_frame *frame,
                            ehd_error *error);
-    /* Save and restore everything needed to go on from the last accepted state, as numbers.
-     * EHD_DATA: the numbers are not such a state. */
+    /* Save and restore all data that are needed to continue from the last accepted state, as
+     * numbers. EHD_DATA: the numbers are not valid data. */
     size_t (*saved_size)(const void *self);
     void (*save)(double *saved, const void *self);
     ehd_status (*restore)(void *self, const double *saved, ehd_error *error);
     /* Computes P and H of the last accepted state at all nodes, [num_nodes]. */
     ehd_status (*fields)(double *pressure, double *film, void *self, ehd_error *error);
     /* Computes the exits of the last accepted state, [inner lines of grid_whole, GRID_EXITS]: X in
-     * the frame of the state on each line, the farthest downstream first; NaN: there is none. */
+     * the frame of the state on each line, the farthest downstream first; NaN: no exit. */
     void (*exits)(double *positions, const void *self);
     /* Computes the traction of the last accepted state in its frame, without its fields. `contact`
      * is the contact in that frame, `scalars` are the scalars of the step. NULL: the caller
@@ -95,7 +97,7 @@ typedef struct march_settings {
     // limit of a step's local error and of a film's accumulated error; NaN with a fixed step
     double tolerance;
     double fixed_step; // NaN: the local error controls the steps
-    double first_step; // after the start and after a jump
+    double first_step; // length of the first step after the start, and after a jump
     bool approach_given;
     double reference_approach; // H0 for a factor of 1, when the approach is given
 } march_settings;
@@ -103,24 +105,27 @@ typedef struct march_settings {
 /* Forecast of the load that scales the next frame, if the load follows from the solution. All
  * members are doubles, so that the struct can be saved. */
 typedef struct load_forecast {
-    double load;      // load of the last accepted state; while bodies are apart the reference load
-    double scale;     // load that scaled the frame of that state
-    double rate;      // rate of change of the load in the last accepted step
-    double last_step; // length of that step; 0: none since the start, a jump or a contact's loss
+    double load;  // load of the last accepted state; the reference load while bodies are apart
+    double scale; // load that scaled the frame of that state
+    double rate;  // rate of change of the load in the last accepted step
+    // Length of the last accepted step. 0: no step in contact since the start, a jump, or a time at
+    // which the bodies were apart.
+    double last_step;
 } load_forecast;
 
-/* State of a march: together with the solver's states it suffices to go on. All members are
- * doubles, so that the struct can be saved. */
+/* State of a march. A march can be continued from this struct and the solver's states. All members
+ * are doubles, so that the struct can be saved. */
 typedef struct march_state {
     double time, step;                    // reached time, and length of the next attempt
     double rejected_step, rejected_error; // step and error of the last rejected attempt; 0: none
-    double noise;      // noise of the solver's local errors, as recently observed
-    double at_kink;    // 1 if the histories have a kink at `time`, else 0
-    double last_event; // last event that is treated as the same time as `time`, else `time`
+    double noise;                         // recently observed noise of the solver's local errors
+    double at_kink;                       // 1 if the histories have a kink at `time`, else 0
+    double last_event;                    // last event that is treated as `time`; equals `time` if
+                                          // there is no such event
     load_forecast forecast;
     double num_steps, num_rejected,
         num_iterations;     // whole numbers
-    double untrusted_since; // time of the first untrusted step; NaN: none
+    double untrusted_since; // time of the first untrusted step; NaN: all steps are trusted
 } march_state;
 
 enum { MARCH_REASON = 256 };
@@ -131,7 +136,7 @@ typedef struct march {
     const ehd_contact *reference;
     march_solver solver;
     march_state state;
-    /* Stores an accepted step. `index` counts from 1; the start is 0. */
+    /* Stores an accepted step. `index` is 0 for the start, 1 for the first step. */
     ehd_status (*store)(void *sink, const march_step *step, size_t index, ehd_error *error);
     void *sink;
     char deviation[MARCH_REASON]; // why the last step exceeded the accuracy
@@ -161,15 +166,16 @@ bool march_deviates(char reason[MARCH_REASON], double central, double minimum, d
 void load_forecast_start(load_forecast *self, const march_step *start);
 void load_forecast_accept(load_forecast *self, const march_step *step);
 
-/* Returns an estimate of the next load, to scale the frame of a step. The rate is extrapolated over
- * at most bdf_most_growth times the last step, since a shorter step gives no reliable rate. In
- * short steps the scale moves only by frame_step_share towards the forecast. Otherwise the error of
- * the last forecast would change the frame at an unlimited rate. */
+/* Returns an estimate of the next load, to scale the frame of a step. The rate of the last step is
+ * extrapolated over at most bdf_most_growth times this step, since the rate of a very short step is
+ * not reliable. In short steps the scale moves towards the forecast only by the fraction
+ * frame_step_share. Otherwise the error of the last forecast would change the frame at an unlimited
+ * rate. */
 double load_forecast_scale(const load_forecast *self, double step, const ehd_grid *grid);
 
-/* Solves the start of the march, at time 0. EHD_NOT_CONVERGED is an outcome; no other call may
- * follow it. A reference approach of NaN in self->settings is replaced by the approach of the
- * start. */
+/* Solves the start of the march, at time 0. If the start does not converge, outcome->status is
+ * EHD_NOT_CONVERGED, and no other function of this march may be called. A reference approach of NaN
+ * in self->settings is replaced by the approach of the start. */
 ehd_status march_begin(march_step *outcome, march *self, ehd_error *error);
 
 /* Marches on to end_time. If the step size becomes too small, or the march hardly advances, the

@@ -12,8 +12,8 @@ enum { ORDER = PATH_FILTER_ORDER, BAND = ORDER + 1 };
 // (test_path_filter.c, a_length_of_too_many_steps_is_refused)
 static const double MOST_STEPS = 50;
 
-/* Returns the weight of the squared difference around a place. The difference of a wave with the
- * wave number k is (k h)^ORDER, if k h << 1. */
+/* Returns the weight of the squared difference around a place. For a wave of amplitude 1 with the
+ * wave number k, the difference is (k h)^ORDER if k h << 1, where h is the grid step. */
 static double weight_at(const ehd_grid *grid, double x, double y, double length) {
     const double inside = 1 - x * x - y * y;
 
@@ -33,7 +33,7 @@ static void assemble(double *matrix, const double *weight, size_t width) {
 }
 
 /* Replaces the matrix M by its factor L, M = L L'. The diagonal holds the reciprocals. Returns
- * false if round-off leaves no factor, because the filter has too many steps. */
+ * false if round-off leaves no factor, because the filter length has too many grid steps. */
 static bool factorise(double *matrix, size_t width) {
     for (size_t i = 0; i < width; i++) {
         double *row = matrix + i * BAND;
@@ -132,7 +132,7 @@ static void solve(double *values, const double *factor, size_t count) {
 void path_filter_apply(path_filter *self, double *values, size_t line, size_t stride,
                        double share) {
     const size_t count = self->num_columns;
-    double *taken = self->work; // the filter's change: small, and so is its round-off
+    double *taken = self->work; // change that the filter causes: it is small, like its round-off
 
     differences(taken, taken + count, values, self->weight + line * count, count, stride);
     solve(taken, self->factor + line * count * BAND, count);

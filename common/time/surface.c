@@ -23,7 +23,7 @@ static const double PART_OF_STEP = 0.25;
  * what_the_grid_does_not_see_is_refused). */
 static const double STEPS_PER_WAVE = 4;
 
-enum { MIN_ROWS = 3 };                                // least rows and lines of a table
+enum { MIN_ROWS = 3 };                                // least number of rows, and of lines
 static const double MAX_X = 1e9, MIN_DISTANCE = 1e-9; // Bounds of a table's x, half widths
 
 typedef struct surface_kind surface_kind;
@@ -35,7 +35,7 @@ struct ehd_surface {
     surface_settings given;
     bool is_half;           // the contact is solved in one half
     double ellipticity;     // ellipticity of the contact; scales Y
-    double *x, *y, *values; // [count], of a table; y NULL: the table is of x alone
+    double *x, *y, *values; // [count], columns of a table; y NULL: heights depend on x alone
     size_t count, num_x, num_lines;
     spline **lines; // [num_lines]
     // largest and smallest x at which the surface is not smooth
@@ -66,8 +66,8 @@ static ehd_status prepare_sine(ehd_surface *self, double of_length, double of_he
     return EHD_OK;
 }
 
-/* Returns the height of a waviness. If it moves, it grows over its first wavelength, with
- * continuous slope and curvature. */
+/* Returns the height of a waviness. The amplitude of a moving waviness grows over the first
+ * wavelength, with continuous slope and curvature. */
 static double sine_height(const ehd_surface *self, double x, double y) {
     const surface_settings *given = &self->given;
     const double behind = (given->speed > 0 ? -x : x) / given->wavelength;
@@ -287,8 +287,8 @@ static void line_at(double *height, double *slope, const ehd_surface *self, size
     *slope = (down * after + up * before) / (before + after);
 }
 
-/* Returns the height of a table: splines along x, cubics across with the slopes of line_at. A table
- * of x alone is the same everywhere across. */
+/* Returns the height of a table: splines along x, cubics across with the slopes of line_at. If the
+ * table depends on x alone, the height is the same for all y. */
 static double file_height(const ehd_surface *self, double x, double y) {
     double height[2], slope[2];
     size_t line = 0;
@@ -414,8 +414,8 @@ ehd_status surface_check_start(const ehd_surface *self, const contact_frame *fra
                     self->given.position, forwards ? "at most" : "at least", most);
 }
 
-/* Checks the step, along and across, against the length of a wave that has the largest curvature of
- * the surface. */
+/* Checks the grid steps along and across against the length of a wave that has the largest
+ * curvature of the surface. */
 static ehd_status check_step(const ehd_surface *self, const ehd_grid *grid, ehd_error *error) {
     const bool varies_across =
         grid->inner_lines > 1 && (self->y || self->kind->height == dent_height);

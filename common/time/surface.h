@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes a waviness, a dent or a table of heights on one of the surfaces. The shape moves with
- * that surface, and the gap of a contact grows by its height (README.md, A surface that is not
- * smooth).
+/* Computes a waviness, a dent or a table of heights on one of the surfaces. The heights move with
+ * this surface and are added to the gap of the contact (README.md, A surface that is not smooth).
  * Called by full_march.c and previous.c of fullrun for each step. */
 #ifndef EHD_SURFACE_H
 #define EHD_SURFACE_H
@@ -15,9 +14,9 @@
 typedef struct ehd_surface ehd_surface;
 
 /* Makes the surface of a valid scene; *self is NULL if both surfaces are smooth. EHD_DATA or
- * EHD_NOINPUT: the table is missing or not valid, or its height is not 0 at its edge. EHD_DATA:
- * units si without physical, or a speed that contradicts the slide-roll ratio. EHD_MEMORY. Reads
- * HDF5, so only one call at a time (artefact.h). */
+ * EHD_NOINPUT: the table is missing or not valid, or the height at its edge is not 0. EHD_DATA:
+ * `units: si` in a scene without `physical`, or a speed that contradicts the slide-roll ratio.
+ * EHD_MEMORY. Reads HDF5, so only one call at a time (artefact.h). */
 ehd_status surface_init(
     // output:
     ehd_surface **self, // free with surface_free; NULL after a failure
@@ -26,12 +25,13 @@ ehd_status surface_init(
 
 ehd_surface *surface_free(ehd_surface *self); // accepts and returns NULL
 
-/* Checks whether the surface has a speed of 0. Such a surface is part of the state at the start.
- * Returns false for NULL. */
+/* Checks whether the surface has a speed of 0. The heights of such a surface are part of the
+ * initial film. Returns false for NULL. */
 bool surface_rests(const ehd_surface *self);
 
-/* Checks that a surface that moves is in front of the grid in the frame of a start, because the
- * start is smooth. EHD_DATA: a part of the surface is on the grid already. */
+/* Checks that a moving surface is in front of the grid at the start, because the initial film is
+ * the film of smooth surfaces. `frame` is the frame of the start. EHD_DATA: a part of the surface
+ * is on the grid already. */
 ehd_status surface_check_start(const ehd_surface *self, const contact_frame *frame,
                                const ehd_grid *grid, ehd_error *error);
 
@@ -50,12 +50,13 @@ void surface_heights(
     const ehd_surface *self, const contact_frame *frame, const ehd_grid *grid);
 
 /* Returns the position of the surface for a path of the fluid, both in reference half widths. The
- * position is the end of a waviness, the middle of a dent, x = 0 of a table. */
+ * position is the place of the front end of a moving waviness, of the middle of a dent, or of x = 0
+ * of a table. */
 double surface_position(const ehd_surface *self, double path);
 
 /* Returns the longest path of the fluid in a step, in reference half widths, for which the step
- * resolves how the surface passes the grid. INFINITY: any path. `backwards`: the fluid moves
- * backwards. */
+ * resolves the motion of the surface over the grid. INFINITY: no limit. `backwards`: the fluid
+ * moves backwards. */
 double surface_longest_path(const ehd_surface *self, const contact_frame *frame,
                             const ehd_grid *grid, bool backwards);
 

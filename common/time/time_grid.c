@@ -29,7 +29,7 @@ static ehd_contact stationary_of(const ehd_contact *contact) {
 }
 
 /* Replaces `contact` by the contact at a time, if M is smaller at this time. Loads below
- * default_accuracy of the reference load are taken as this load. */
+ * default_accuracy times the reference load are replaced by this value. */
 static void lower_M(ehd_contact *contact, const ehd_histories *histories,
                     const ehd_contact *reference, double time) {
     double values[NUM_VARY];
@@ -45,7 +45,7 @@ static void lower_M(ehd_contact *contact, const ehd_histories *histories,
 }
 
 static int count_times(const ehd_histories *histories, double end_time) {
-    const double period = 2 * M_PI * histories_smooth_time(histories); // of a sine
+    const double period = 2 * M_PI * histories_smooth_time(histories); // period of a sine
 
     return (int)fmin(fmax(TIMES_A_PERIOD * end_time / period, NUM_TIMES), MOST_TIMES);
 }
@@ -66,8 +66,8 @@ static ehd_contact contact_of_least_M(const ehd_histories *histories, const ehd_
     return lowest;
 }
 
-/* Returns the extent whose ends suit both contacts and, if the entrainment reverses, either
- * direction. The step is the step of the reference. */
+/* Returns an extent that is long enough for both contacts and, if the entrainment reverses, for
+ * both directions. The step is the step of the reference. */
 static grid_extent extent_of(const ehd_contact *reference, const ehd_contact *lowest,
                              bool reverses) {
     const double given = reference->grid_given.x_min;

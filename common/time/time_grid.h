@@ -9,11 +9,12 @@
 #include "common/physics/grid_choice.h"
 #include "common/time/history.h"
 
-/* Returns the extent that a contact needs from T = 0 to `end_time`. Its step is the step of the
- * reference. Its inlet suits the time of the smallest M, when the film is thickest: the estimated
- * error of the central film is then at most 3 %. Three rules limit the length:
- * - Loads below default_accuracy of the reference load are taken as this load.
- * - A grid has at most 10,000 nodes, or twice the nodes of the reference. M is doubled until the
+/* Returns the extent of the grid that a contact needs from T = 0 to `end_time`. The step of the
+ * grid is the step of the reference. The inlet suits the time of the smallest M, when the film is
+ * thickest: the estimated error of the central film is then at most 3 %. Three rules determine the
+ * length:
+ * - Loads below default_accuracy times the reference load are replaced by this value.
+ * - The grid has at most 10,000 nodes, or twice the nodes of the reference. M is doubled until the
  *   grid is small enough.
  * - If the entrainment reverses, both ends have an inlet. */
 grid_extent time_grid_extent(const ehd_histories *histories, const ehd_contact *reference,

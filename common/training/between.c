@@ -31,7 +31,7 @@ static double number_of(const setting *row, const scene *of) {
     return value;
 }
 
-/* Checks whether two scenes differ only in numbers that both give. */
+/* Checks whether two scenes differ only in settings that are numbers and that both scenes give. */
 static bool are_alike(const scene *left, const scene *right) {
     for (const setting *row = scene_settings(); row->key; row++) {
         if (setting_compare(row, left, right) == 0) continue;
@@ -42,7 +42,7 @@ static bool are_alike(const scene *left, const scene *right) {
     return true;
 }
 
-/* Returns the squared distance of two scenes; infinite if there is no scene half-way. */
+/* Returns the squared distance between two scenes; infinite if there is no scene half-way. */
 static double square(const crowd *self, size_t i, size_t j) {
     double sum = 0;
 
@@ -59,8 +59,9 @@ static double square(const crowd *self, size_t i, size_t j) {
     return sum;
 }
 
-/* Fills a column with a setting of all trajectories, relative to its range. If all values are
- * positive, their logarithms are used. A setting that is not given is 0. */
+/* Fills a column with the coordinates, from 0 to 1, of all trajectories for one setting. The
+ * coordinates are the values relative to the range of the setting. If all values are positive,
+ * their logarithms are used. The coordinate is 0 if the setting is not given. */
 static void place_column(double *column, size_t width, const setting *row,
                          const training_set *set) {
     double low = INFINITY, high = -INFINITY;
@@ -108,7 +109,8 @@ static void crowd_free(crowd *self) {
 
 // ---- scenes in the middle
 
-/* Makes the scene half-way between two scenes. Returns false if there is no such contact. */
+/* Makes the scene half-way between two scenes. Returns false if there is no such scene, or if its
+ * contact is not valid. */
 static bool find_middle(scene *middle, const scene *left, const scene *right) {
     ehd_contact contact;
 
@@ -183,7 +185,7 @@ static ehd_status add_middles(plan *between, size_t *room, const plan *of, const
     return EHD_OK;
 }
 
-/* Halves the swing of all histories. Returns false if no history has a swing, as with tables. */
+/* Halves the swing of all histories. Returns false if no history has a swing, as for tables. */
 static bool halve_swing(scene *of) {
     bool changed = false;
 
@@ -244,8 +246,8 @@ ehd_status between_neighbours(plan *between, const plan *of, const training_set 
 
 // ---- choices
 
-/* Chooses at most `count` scenes far from one another. Of points it chooses at least one of each
- * kind. */
+/* Chooses at most `count` scenes far from one another. If the scenes are points, chooses at least
+ * one for each lubricant of each group. */
 static ehd_status spread(bool *chosen, const crowd *self, size_t count, ehd_error *error) {
     const bool each_kind = self->points != NULL;
     // squared distance to the nearest chosen scene

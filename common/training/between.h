@@ -9,39 +9,43 @@
 #include "common/training/training_set.h"
 
 /* Makes the scenes half-way between neighbours of a training. Stationary points and trajectories
- * are separate. Each number in which two scenes differ takes the value in the middle. If both
- * numbers are positive, this is the geometric mean, so that ln M and ln(alpha p_H) of physical
+ * are never neighbours. Each number in which two scenes differ takes the value in the middle. If
+ * both numbers are positive, this is the geometric mean, so that ln M and ln(alpha p_H) of physical
  * scenes also lie in the middle.
  *
  * Two points of one lubricant and group are neighbours if no third point sees them at an obtuse
- * angle (Gabriel's graph). In a grid these are the neighbours along its lines and its diagonals;
- * the common middle of two diagonals is taken once. Two trajectories that differ only in numbers
- * are neighbours on the same condition. A trajectory that differs from all others in more than
- * numbers gives a scene with half its swing: half the amplitudes, and half of each ramp and step.
+ * angle (Gabriel's graph). In a grid of points, a point has neighbours along lines and diagonals of
+ * the grid. The two diagonals of a cell have the same middle, which is taken once. Two
+ * trajectories that differ only in numbers are neighbours on the same condition. A trajectory that
+ * differs from all others in more than numbers has no neighbours. It gives a scene with half its
+ * swing: half the amplitudes, and half of each ramp and step.
  *
- * Pairs are in the order of the plan. The result may have no points at all. O(num_points^3) at
- * worst. EHD_MEMORY. */
+ * The scenes are in the order of the plan. The result may have no points at all. The run time is
+ * O(num_points^3) at worst. Errors: EHD_MEMORY. */
 ehd_status between_neighbours(
     // output:
     plan *between, // free with plan_free; groups and bounds are those of `of`
     // input:
     const plan *of,
-    const training_set *trained, // set of that plan
+    const training_set *trained, // training set of the plan `of`
     const char *name,            // name of the plan, for errors
     ehd_error *error);
 
-/* Chooses points far from one another. It begins with the first point. It then adds the point that
- * is farthest from the chosen points; of equally far points it adds the first. Each lubricant and
- * group gets one point before any gets a second one, even if `count` is smaller. EHD_MEMORY. */
+/* Chooses points far from one another. Begins with the first point. Then adds, again and again, the
+ * point that is farthest from the chosen points; of equally far points it adds the first. Points of
+ * different lubricants or groups are infinitely far from one another. Therefore each lubricant of
+ * each group gets a first point before any gets a second, even if this takes more than `count`
+ * points. Errors: EHD_MEMORY. */
 ehd_status between_spread(
     // output:
     bool *chosen, // [num_points]
     // input:
     const training_set *set, size_t count, ehd_error *error);
 
-/* Chooses `count` more points evenly along the walk through the set's tree. Each part of the region
- * gets points in proportion, so the chosen points are a sample. Points far from one another are
- * mostly at the edge. EHD_MEMORY. */
+/* Chooses `count` more points, evenly along the list of points that tree_walk makes of the set's
+ * tree. Each part of the region gets chosen points in proportion to its points, so the chosen
+ * points are a fair sample. The points of between_spread are no such sample, because points far
+ * from one another are mostly at the edge. Errors: EHD_MEMORY. */
 ehd_status between_sweep(
     // in and out:
     bool *chosen, // [num_points]
@@ -56,7 +60,7 @@ ehd_status between_spread_trajectories(
     const training_set *set, size_t count, ehd_error *error);
 
 /* Removes the points of a plan for which `keep`, [num_points], is false, and renews the text of the
- * plan. EHD_MEMORY. */
+ * plan. Errors: EHD_MEMORY. */
 ehd_status between_keep(plan *of, const bool *keep, const char *name, ehd_error *error);
 
 #endif

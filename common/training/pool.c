@@ -17,14 +17,18 @@ typedef struct pool {
     const pool_work *work;
     pthread_mutex_t lock; // guards everything below, and `start` and `finish` of the work
     pthread_cond_t changed;
-    size_t next;   // place in the order; all earlier points that wait for no other point are taken
-    size_t *ready; // [room] places of free points that waited for another: a heap, lowest first
+    // place in the order; all points before it that wait for no other point are already taken
+    size_t next;
+    // [room] a heap, lowest first, of places in the order: points that waited for their parent and
+    // can now be taken, and points that were put back
+    size_t *ready;
     size_t num_ready;
     size_t *place; // [num_points] place of a point in the order; NULL: the point's number
-    size_t *first_child, *next_sibling; // [num_points] points that wait for one; NO_PARENT: none
-    size_t num_left;                    // points not taken
-    size_t num_active;                  // workers that have not ended
-    ehd_status status;                  // the first failure
+    // [num_points] linked lists of the points that wait for each point; NO_PARENT: end of the list
+    size_t *first_child, *next_sibling;
+    size_t num_left;   // number of points not taken
+    size_t num_active; // number of workers that have not ended
+    ehd_status status; // the first failure
     ehd_error error;
 } pool;
 
@@ -99,7 +103,7 @@ static size_t free_point(pool *self) {
     return root ? point_at(self, self->next++) : NO_PARENT;
 }
 
-/* Marks the points that waited for this one as ready. */
+/* Marks the points that waited for this point as ready. */
 static void release_children(pool *self, size_t point) {
     if (!self->place) return;
     for (size_t child = self->first_child[point]; child != NO_PARENT;
@@ -202,8 +206,8 @@ static size_t start_threads(pthread_t *threads, size_t num_wanted, pool *self) {
 
 /* Returns how many of num_wanted threads have enough memory: worker_bytes, the heap that glibc
  * reserves for a thread (HEAP_MAX_SIZE, 64-bit), and a buffer of OpenBLAS. A limit of the address
- * space (ulimit -v) includes all of these. Without this check 8 threads under a limit of 400 to
- * 1000 MB ran out of memory after work. */
+ * space (ulimit -v) includes all of these. Without this check, 8 threads under a limit of 400 to
+ * 1000 MB ran out of memory only after they had done work. */
 static size_t workers_with_memory(size_t num_wanted, double worker_bytes) {
     const double heap = 64 << 20; // Source: heap of a thread in glibc, as above; bytes
     size_t num = num_wanted;

@@ -16,20 +16,21 @@ typedef ehd_status pool_task(void *shared, void *worker, size_t point, size_t pa
 typedef struct pool_work {
     size_t num_points;
     const size_t *parent; // [num_points]; NULL: no point waits for another
-    const size_t *order;  // [num_points], order in which points are taken (tree_order); NULL: by
-                          // number
-    const bool *done;     // [num_points], finished in an earlier run; NULL: none
-    size_t num_workers;   // threads at most
+    const size_t *order;  // [num_points], order in which the points are solved (tree_order); NULL:
+                          // by number
+    const bool *done;     // [num_points], points that an earlier run has finished; NULL: none
+    size_t num_workers;   // largest number of threads
     void *shared;         // handed to all tasks
     double worker_bytes;  // memory that one thread needs for its own data; 0: little
-    // makes the data of one thread, such as a solver; NULL: nothing
+    // makes the data of one thread, such as a solver; NULL: a thread has no data
     ehd_status (*begin)(void **worker, void *shared, ehd_error *error);
     void (*end)(void *worker);
-    bool repeatable;  // another attempt can follow a failed solve
-    pool_task *solve; // several run at a time, each after `finish` of its parent
+    bool repeatable; // another attempt can follow a failed solve
+    // solves a point; several threads do so at a time, each point after `finish` of its parent
+    pool_task *solve;
     // only one `start` or `finish` runs at a time
-    pool_task *start;  // before solve, for example to show progress; NULL: none
-    pool_task *finish; // after solve, for example to write a file; NULL: none
+    pool_task *start;  // before `solve`, for example to show progress; NULL: none
+    pool_task *finish; // after `solve`, for example to write a file; NULL: none
 } pool_work;
 
 /* Runs the tasks of all points. Returns EHD_OK when all points are finished. After a failure the

@@ -38,7 +38,7 @@ static ehd_status make_contact(ehd_contact *contact, bool *inside, const plan *o
     ehd_status status = scene_contact(contact, &point->scene, &cause);
     if (!status) status = scene_check_reducible(&point->scene, &cause);
 
-    // at an excluded point the lubricant's law may not hold
+    // errors of an excluded point do not matter: the lubricant's law may not hold there
     bool known = contact->alpha_p_H > 0 || !status;
     *inside = !known || lies_within(contact, &of->where[point->group]);
     if (!status || !*inside) return EHD_OK;
@@ -173,8 +173,8 @@ static ehd_contact *contact_at(const training_set *set, size_t i) {
                                : &set->trajectories[i - set->num_points].contact;
 }
 
-/* Returns the grid extent that contact i needs; a trajectory needs it at all times of its
- * histories. */
+/* Returns the grid extent that contact i needs. For a trajectory, this is the extent that all times
+ * of its histories need. */
 static grid_extent needed_at(const training_set *set, size_t i) {
     return i < set->num_points ? grid_extent_needed(&set->contacts[i])
                                : set->trajectories[i - set->num_points].needed;
@@ -274,10 +274,11 @@ static ehd_status make_tree(training_set *set, const size_t *branch, const char 
 
 // ---- parts
 
-/* Returns the number of branches of a plan. This number is about the root of the number of points,
- * so that both cold starts and long chains of neighbours are few. It is a multiple of four, so that
- * four shards have equal numbers of branches. In the plan of stationary-line these branches take
- * 597 Newton iterations, one branch takes 915, and twice as many branches take 748. */
+/* Returns the number of branches of a plan. This number is about the square root of the number of
+ * points, so that both cold starts and long chains of neighbours are few. The number is a multiple
+ * of four, so that four shards have equal numbers of branches. The plan of stationary-line takes
+ * 597 Newton iterations with this number of branches, 915 with one branch, and 748 with twice as
+ * many branches. */
 static size_t count_branches(size_t num_points) {
     size_t count = 4;
 
@@ -340,7 +341,7 @@ ehd_status training_set_keep(training_set *set, const bool *keep, const char *pl
 }
 
 /* Returns how many of the first `first` shards have points. If there are fewer branches than
- * shards, some shards have none. */
+ * shards, some shards have no points. */
 static size_t shards_with_points(size_t first, size_t num_branches, size_t total) {
     size_t branches = num_branches * first / total;
 

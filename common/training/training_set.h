@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Makes the points of a plan as contacts on one grid (common/physics/README.md, Default grid), and
- * the order in which they are solved (tree.h).
+/* Turns the points of a plan into contacts on one grid (common/physics/README.md, Default grid).
+ * Also finds the order in which the contacts are solved (tree.h).
  * Called by snapgen, podbuild and romrun/calibrate, which read plans. */
 #ifndef EHD_TRAINING_SET_H
 #define EHD_TRAINING_SET_H
@@ -22,7 +22,7 @@ typedef struct trajectory_scene {
     size_t number; // number of the point in the plan
     scene scene;
     ehd_contact contact; // contact in its reference state
-    grid_extent needed;  // extent of the grid for all times
+    grid_extent needed;  // extent of the grid that the trajectory needs for all times
 } trajectory_scene;
 
 typedef struct training_set {
@@ -34,47 +34,50 @@ typedef struct training_set {
     size_t *numbers;       // [num_points], numbers of the points in the plan
     size_t *groups;        // [num_points], group of each point in the plan
     bool *estimated;       // [num_points], whether the error of the grid is estimated
-    size_t *parent;        // [num_points], point from which each point starts; NO_PARENT: cold
+    size_t *parent;        // [num_points], point that each point starts from; NO_PARENT: cold start
     size_t *order;         // [num_points], parents first (tree_order)
     size_t num_trajectories;
     trajectory_scene *trajectories; // [num_trajectories], in the order of the plan
     size_t num_dropped;             // points of the plan outside of its `where` bounds
 } training_set;
 
-/* Makes the contacts of a plan, and the tree in which each starts from a neighbour. Neighbours are
- * near in ln M, in the Moes number L that belongs to the Hertz pressure, and in the thinning.
- * Neighbours have the same group, lubricant and branch.
+/* Makes the contacts of a plan, and a tree that connects neighbouring points. The solution of each
+ * point starts from the solution of its parent in the tree. Neighbours are near in ln M, in the
+ * Moes number L that belongs to the Hertz pressure, and in the thinning. Neighbours have the same
+ * group, lubricant and branch.
  *
- * Branches are pieces of the list of points and depend on the plan alone. A shard has whole
- * branches. Therefore it needs no other shard, and each of its points starts as it does without
- * shards. Joined in their order, the shards have the points in the order of the plan. Trajectories
- * are dealt out in turn, and no shard is empty.
+ * A branch is a run of successive points of the plan. Only the plan determines the branches. A
+ * shard consists of whole branches. Therefore a shard needs no solution of another shard, and each
+ * of its points has the same parent as without shards. If the shards are joined in their order, the
+ * points are in the order of the plan. The shards get the trajectories in turn, one at a time.
+ * Shards without points come first, so that no shard is empty.
  *
- * EHD_DATA: a point that is not a contact, different grids, no point left. EHD_USAGE: more shards
- * than branches and trajectories. EHD_MEMORY. */
+ * Returns EHD_DATA if a point is not a contact, if the grids differ, or if no point is left.
+ * Returns EHD_USAGE if there are more shards than branches and trajectories. Other errors:
+ * EHD_MEMORY. */
 ehd_status training_set_init(
     // output:
     training_set *set, // free with training_set_free
     // input:
     const plan *plan, const char *plan_path, shard piece, ehd_error *error);
 
-/* Puts the points on another grid, such as that of a basis or model, if their scenes allow it
+/* Puts the points on another grid, such as the grid of a basis or model, if their scenes allow this
  * (contact_take_grid). */
 void training_set_take_grid(training_set *set, const ehd_grid *grid);
 
-/* Adds a line to the text by which --resume distinguishes trainings. EHD_MEMORY. */
+/* Adds a line to the text by which --resume distinguishes trainings. Errors: EHD_MEMORY. */
 ehd_status training_set_add_text(training_set *set, const char *line, const char *plan_path,
                                  ehd_error *error);
 
 /* Removes the neighbours, so that every point starts cold and its solution depends on the point
- * alone. EHD_MEMORY. */
+ * alone. Errors: EHD_MEMORY. */
 ehd_status training_set_make_cold(training_set *set, const char *plan_path, ehd_error *error);
 
-/* Computes the points of the tree, [num_points]. */
+/* Computes the points from which the tree is built; `places` is [num_points]. */
 void training_set_places(tree_point *places, const training_set *set);
 
-/* Removes the points for which `keep`, [num_points], is false. The branches are then those of a
- * plan that has only the remaining points. EHD_MEMORY. */
+/* Removes the points for which `keep`, [num_points], is false. Then makes the branches of a plan
+ * that has only the remaining points. Errors: EHD_MEMORY. */
 ehd_status training_set_keep(training_set *set, const bool *keep, const char *plan_path,
                              ehd_error *error);
 
@@ -85,8 +88,8 @@ ehd_status training_check_outcome(const training_set *set, size_t num_failed, co
                                   ehd_error *error);
 
 /* Returns the paths of the files that the training reads, with NULL at the end: the plan, the basis
- * (NULL: none) and the tables of the trajectories. These paths point into plan_path, basis_path and
- * the set. Returns NULL when out of memory. */
+ * (unless basis_path is NULL) and the tables of the trajectories. These paths point into plan_path,
+ * basis_path and the set. Returns NULL when out of memory. */
 const char **training_inputs(const training_set *set, const char *plan_path,
                              const char *basis_path); // free with free()
 

@@ -76,7 +76,7 @@ typedef struct ranked {
     size_t rank;
 } ranked;
 
-/* Compares for qsort: larger ranks come first, equal ones by number. */
+/* Compares for qsort: larger ranks come first, and equal ranks are in the order of the points. */
 static int compare_ranked(const void *left, const void *right) {
     const ranked *a = left, *b = right;
 
@@ -85,7 +85,7 @@ static int compare_ranked(const void *left, const void *right) {
 }
 
 ehd_status tree_order(size_t *order, const size_t *parent, size_t num_points, ehd_error *error) {
-    // number of points on the longest way down from a point
+    // `rank` is the number of points on the longest way down from a point
     ranked *heights = calloc(num_points, sizeof *heights);
     if (!heights) return ehd_no_memory(error, "order");
 

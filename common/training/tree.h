@@ -19,7 +19,7 @@ typedef struct tree_point {
     double effort;           // effort of a cold start, in any unit
 } tree_point;
 
-/* Computes the divisor of each coordinate: its range over all points, or 1 if that is 0. */
+/* Computes the divisor of each coordinate: its range over all points, or 1 if the range is 0. */
 void tree_scale(double scale[TREE_AXES], const tree_point *points, size_t num_points);
 
 /* Returns the scaled distance between two points; infinite between families. */
@@ -28,15 +28,15 @@ double tree_distance(const tree_point *left, const tree_point *right,
 
 /* Builds minimum spanning trees, one per family, with the root where a cold start is easiest
  * (Prim's method). Of equal choices the first point wins, so the same points always give the same
- * tree. O(num_points^2). EHD_MEMORY. */
+ * tree. The run time is O(num_points^2). Errors: EHD_MEMORY. */
 ehd_status tree_build(
     // output:
     size_t *parent, // [num_points], NO_PARENT at a root
     // input:
     const tree_point *points, size_t num_points, ehd_error *error);
 
-/* Orders the points: parents come before their children, and points on which the longest chains
- * wait come first. EHD_MEMORY. */
+/* Orders the points. Parents come before their children. Points that the longest chains of other
+ * points wait for come first. Errors: EHD_MEMORY. */
 ehd_status tree_order(
     // output:
     size_t *order, // [num_points]
@@ -44,7 +44,7 @@ ehd_status tree_order(
     const size_t *parent, size_t num_points, ehd_error *error);
 
 /* Lists the points depth first, with children in the order of their numbers. A piece of this list
- * is a few connected branches. EHD_MEMORY. */
+ * is a few connected branches. Errors: EHD_MEMORY. */
 ehd_status tree_walk(
     // output:
     size_t *walk, // [num_points]

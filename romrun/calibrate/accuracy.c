@@ -75,8 +75,8 @@ ehd_status accuracy_choose(accuracy_choice *choice, const trade_table *table, do
 
 double accuracy_tolerance(double accuracy) {
     // Relative tolerance of the central film: a `part` of the accuracy, at least
-    // `full_convergence`. With 0.02 the iterations add less than a fiftieth of the accuracy to the
-    // error (README.md, Calibration and the accuracy dial; test_trade.c,
+    // `full_convergence`. If `part` is 0.02, an iteration that ends early adds less than a fiftieth
+    // of the accuracy to the error (README.md, Calibration and the accuracy dial; test_trade.c,
     // a_promise_is_kept_or_the_result_flagged).
     const double full_convergence = 1e-8, part = 0.02;
 
@@ -181,7 +181,7 @@ void accuracy_judge_rolling(run_result *result, const accuracy_limits *limits) {
     const double minimum = result->indicated_deviation_minimum;
     double films = isnan(central + minimum) ? NAN : fmax(central, minimum);
 
-    // the grid causes the only error of a result of the full model
+    // a result of the full model has only the error due to the grid
     if (result->solved_by == SOLVED_BY_FULL) films = 0;
     const double found = result->traction && result->effects && !isnan(films)
                              ? film_effects_of_rolling(result->effects) + films

@@ -14,14 +14,17 @@
 enum { ACCURACY_NOTE = 320 };
 typedef struct accuracy_choice {
     model_sizes fastest;       // fastest model size that meets the accuracy in the calibration
-    model_sizes most_accurate; // solves what `fastest` does not solve accurately enough
+    model_sizes most_accurate; // used where `fastest` is not accurate enough
     char note[ACCURACY_NOTE];  // text about `fastest` and its measured accuracy
 } accuracy_choice;
 
-/* Chooses the model size for a relative accuracy of both films. In time without error estimates, it
- * considers the central film alone. If no size meets the accuracy in time, but steps have error
- * estimates, it chooses the most accurate size. `name`: name of the model, for error messages.
- * EHD_DATA: the model is not calibrated in this regime, or no size meets the accuracy. */
+/* Chooses the model size for a relative accuracy of both films. For transient contacts (`in_time`):
+ * - If the model has no error estimates in time, the accuracy of the central film alone counts.
+ * - If the model has error estimates in time, but no size meets the accuracy, the most accurate
+ *   size is chosen.
+ *
+ * `name`: name of the model, for error messages. EHD_DATA: the model is not calibrated in this
+ * regime, or no size meets the accuracy. */
 ehd_status accuracy_choose(
     // output:
     accuracy_choice *choice,
@@ -44,8 +47,8 @@ void accuracy_judge(run_result *result, double accuracy);
  * times the accuracy, in Hertz pressures. The caller then solves the contact again with a more
  * accurate model size. */
 void accuracy_judge_peak(run_result *result, double accuracy,
-                         double peak); // result of online_indicate_peak; NaN: not known, changes
-                                       // nothing
+                         double peak); // result of online_indicate_peak; NaN: the estimate is not
+                                       // known and changes nothing
 
 /* Limits of --accuracy-of, indexed by indicated_quantity; 0: no limit. */
 typedef struct accuracy_limits {
@@ -60,16 +63,16 @@ ehd_status accuracy_read_limit(void *limits, const char *argument, ehd_error *er
 /* Checks whether any limit is set. */
 bool accuracy_limits_any(const accuracy_limits *limits);
 
-/* Writes each given limit into the settings text, as a comment on a line of its own. */
+/* Writes each given limit to `stream`, the settings text, as a comment on a line of its own. */
 void accuracy_write_limits(const accuracy_limits *limits, FILE *stream);
 
-/* Sets EHD_UNTRUSTED if an error estimate in result->indicated exceeds its limit, or is not known
- * although a limit is set. */
+/* Sets EHD_UNTRUSTED if an error estimate in result->indicated exceeds its limit, or if a limit is
+ * set for an estimate that is not known. */
 void accuracy_judge_others(run_result *result, const accuracy_limits *limits);
 
-/* Sets EHD_UNTRUSTED if the error estimate of the rolling resistance exceeds its limit, or is not
- * known although a limit is set. The estimate is that for the grid (result->effects). For a reduced
- * result the larger estimate of both films is added. */
+/* Sets EHD_UNTRUSTED if the error estimate of the rolling resistance exceeds its limit, or if the
+ * limit is set and the estimate is not known. The estimate is the error due to the grid
+ * (result->effects). For a reduced result, the larger estimate of both films is added. */
 void accuracy_judge_rolling(run_result *result, const accuracy_limits *limits);
 
 #endif

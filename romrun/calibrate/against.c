@@ -23,8 +23,8 @@ typedef struct stencil {
     double weights[4];
 } stencil;
 
-/* Returns the weights of Lagrange's polynomial through the nodes around `place`, which is measured
- * in steps from the first of `num_nodes` nodes. */
+/* Returns the weights of Lagrange's polynomial through the nodes around `place`. `place` is
+ * measured in steps from the first of `num_nodes` nodes. */
 static stencil stencil_at(double place, size_t num_nodes) {
     const size_t count = num_nodes < 4 ? num_nodes : 4;
     const double last = (double)(num_nodes - count);
@@ -39,8 +39,8 @@ static stencil stencil_at(double place, size_t num_nodes) {
     return self;
 }
 
-/* Returns the distance of a coordinate from the first node of an axis, in steps. Rounds to a node
- * if the difference is only round-off. */
+/* Returns the distance of a coordinate from the first node of an axis, in steps. If the coordinate
+ * differs from a node only by round-off, returns the distance of this node. */
 static double place_of(double coordinate, double first, double step) {
     const double place = (coordinate - first) / step, nearest = round(place);
 
@@ -80,8 +80,8 @@ double against_difference(const double *nodes, const ehd_grid *grid, const doubl
     return largest;
 }
 
-/* Checks whether both grids have equal nodes. If a grid has no list of nodes, compares only first
- * node and step. */
+/* Checks whether both grids have equal nodes. If `other` has only first node and step, and no
+ * number of nodes, compares only first node and step. */
 static bool same_nodes(const ehd_grid *grid, const ehd_grid *other) {
     ehd_grid like = *other;
 
@@ -92,7 +92,7 @@ static bool same_nodes(const ehd_grid *grid, const ehd_grid *other) {
     return grid_same(&like_other, other);
 }
 
-/* Prints the heading. It names differences of grid, discretisation and boundary. */
+/* Prints the heading, which names differences of grid, discretisation and boundary. */
 static void print_heading(const char *path, const ehd_grid *grid, const ehd_grid *other) {
     const ehd_grid whole = grid_whole(grid);
     const bool moved = !same_nodes(&whole, other);
@@ -171,8 +171,9 @@ void against_print(const run_result *result, const stored_result *stored, const 
 
 // ---- over time
 
-/* Relative deviation of one quantity, at those times of the first run that lie in the time span of
- * the second run. If the times differ, a cubic spline interpolates the second run. */
+/* Relative deviation of one quantity between two runs. It is taken at those times of the first run
+ * that lie in the time span of the second run. If the times differ, a cubic spline interpolates the
+ * second run. */
 typedef struct time_deviation {
     double largest;     // relative
     double at;          // time T of the largest deviation
@@ -220,13 +221,13 @@ static ehd_status add_deviations(time_deviation *deviation, const double *time,
     return EHD_OK;
 }
 
-/* Entries from `begin` to before `end`. The bodies are in contact in all of them. */
+/* A period of contact: in all entries from `begin` to `end` - 1 the bodies are in contact. */
 typedef struct contact_period {
     size_t begin, end;
 } contact_period;
 
-/* Finds the next period of contact: entries for which `sign` is not 0. Returns false after the last
- * period. */
+/* Finds the next period of contact: neighbouring entries for which `sign` is not 0. Returns false
+ * after the last period. */
 static bool next_period(contact_period *period, const double *sign, size_t count) {
     period->begin = period->end;
     while (period->begin < count && sign[period->begin] == 0)

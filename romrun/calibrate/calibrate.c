@@ -11,8 +11,8 @@
 
 // ---- which scenes
 
-/* Marks the points inside of the trained range. Returns EHD_DATA if the model was trained on one of
- * them. */
+/* Marks the points inside of the trained range in `keep`. Returns EHD_DATA if the model was trained
+ * on one of the points. */
 static ehd_status choose_points(bool *keep, const training_set *set, const reduced_model *model,
                                 const trained_range *range, const program *self,
                                 const char *plan_path, const char *model_path, ehd_error *error) {

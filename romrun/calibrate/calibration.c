@@ -15,11 +15,12 @@
 
 enum { REPEATS = 3 }; // number of solutions of each scene; the time is their median
 
-/* A shear law and the ratio of the Newtonian stress at P = 0 and H = 1 to the stress of the law, as
- * in deimselect/cubature.c. The friction of each scene is measured for all `slidings`, whatever the
- * scene's own law is. The Eyring fluid of ratio 1e-1 has high stresses in the whole contact. Errors
- * caused by few nodes, and by exits that are one node off, are largest for this fluid. With 1e-2 in
- * place of 1e-1, the estimates of 2 of 2235 unseen frictions are only 0.4 times the errors. */
+/* A shear law, and the ratio of the Newtonian stress at P = 0 and H = 1 to the stress of the law,
+ * as in deimselect/cubature.c. The friction of each scene is measured for all `slidings`, whatever
+ * the scene's own law is. The Eyring fluid of ratio 1e-1 has high stresses in the whole contact.
+ * Errors caused by too few nodes, and by exits that are one node off, are largest for this fluid.
+ * If the ratio 1e-1 is replaced by 1e-2, the estimates of 2 of 2235 frictions outside of the
+ * calibration are only 0.4 times the errors. */
 typedef struct sliding {
     const lubricant_law *law;
     double ratio;
@@ -32,8 +33,8 @@ static const sliding slidings[] = {{&shear_newtonian, 1},
                                    {&shear_limiting, 1e-2}};
 enum { NUM_SLIDINGS = sizeof slidings / sizeof *slidings };
 
-/* Returns a copy of a contact, sliding with another shear law. The units of stress cancel, so the
- * contact may be dimensionless or in SI units. */
+/* Returns a copy of a contact that slides with another shear law. The units of stress cancel, so
+ * the contact may be dimensionless or in SI units. */
 static ehd_contact slide(const ehd_contact *contact, const sliding *how) {
     ehd_contact own = *contact;
     const double isoviscous = contact->lambda / 12 * contact->far_speed;
@@ -53,15 +54,15 @@ typedef struct samples {
     double *deviation[NUM_TRADE_QUANTITIES]; // [count]
     double *bound, *bound_minimum;           // [count] bounds of the central and minimum film
     double *indicated;                       // [count + failures] the larger estimate of both films
-    double *effectivity;                     // [count] ratio of estimate to error, the smaller of
-                                             // the ratios of both films
+    double *effectivity;                     // [count] ratio of estimate to error, the smaller
+                                             // ratio of both films
     double *off[NUM_INDICATED];              // [count] deviations of the other quantities
     double *other_bound[NUM_INDICATED];      // [count]
     double *friction_off, *friction_bound;   // [num_frictions]
     size_t num_frictions;                    // 0 if the model has no traction nodes
     double *seconds;                         // [count * REPEATS]
-    double iterations, max_iterations;       // iterations: sum over the scenes; largest number of a
-                                             // scene
+    double iterations, max_iterations;       // sum of the iterations over the scenes, and largest
+                                             // number of iterations of a scene
     double largest_residual;
     double *pressure, *film; // [num_nodes]
     double *full_film;       // [num_nodes]
@@ -172,7 +173,7 @@ static void add_sample(samples *self, const online_result *result, const solved_
     self->count++;
 }
 
-/* Stores the friction errors and bounds of the scene that was added last; self->full_film must be
+/* Stores the friction errors and bounds of the scene that was added last. self->full_film must be
  * the film of this scene. */
 static void add_frictions(samples *self, online_solver *solver, const solved_scene *solved) {
     for (size_t i = 0; i < NUM_SLIDINGS; i++) {
@@ -214,7 +215,8 @@ static ehd_status measure_scene(trade_position *position, samples *self, online_
 }
 
 /* Fits factor and shape of the error estimate of a quantity. If exits are nodes, the shape has an
- * offset: an exit that is wrong by one node changes films by an amount that no residual shows. */
+ * offset, because an exit that is wrong by one node changes films by an amount that no residual
+ * shows. */
 static ehd_status fit_one(double *factor, indicator_shape *shape, const samples *self,
                           const double *deviations, const double *bounds, size_t count,
                           ehd_error *error) {
@@ -244,8 +246,8 @@ static ehd_status fit_factors(trade_position *position, const samples *self, ehd
     return status ? status : fit_friction(position, self, error);
 }
 
-/* Fits the error estimates and evaluates their quantiles. Call it before the deviations are sorted:
- * deviations and bounds must have the same order. */
+/* Fits the error estimates and evaluates their quantiles. The function must be called before the
+ * deviations are sorted, because deviations and bounds must have the same order. */
 static ehd_status fit_indicator(trade_position *position, samples *self, ehd_error *error) {
     const double *central = self->deviation[TRADE_CENTRAL_FILM];
     const double *minimum = self->deviation[TRADE_MINIMUM_FILM];
@@ -314,7 +316,8 @@ ehd_status calibration_measure(trade_position *position, const online_model *mod
 
 // ---- in time
 
-/* Sums and maxima over the trajectories that were not lost. */
+/* Sums and maxima over the trajectories in which every step converged and is trusted. Other
+ * trajectories are called lost. */
 typedef struct repetition {
     double worst[TRADE_PRESSURE];
     double iterations, seconds;
@@ -355,8 +358,9 @@ static ehd_status repeat_step(march_step *outcome, const march_solver *solver,
     return EHD_OK;
 }
 
-/* Repeats a trajectory. *lost: a step did not converge or was not trusted. The bounds of the
- * earlier steps are stored nevertheless. */
+/* Solves the steps of a recorded trajectory with the reduced model. Sets *lost to true if a step
+ * did not converge or is not trusted. The bounds of the earlier steps are stored in this case
+ * too. */
 static ehd_status repeat(bool *lost, repetition *sum, step_samples *steps,
                          const online_model *model, const recording *wanted, ehd_error *error) {
     online_transient *in_time = NULL;
@@ -376,7 +380,7 @@ static ehd_status repeat(bool *lost, repetition *sum, step_samples *steps,
         if (status || outcome.status) break;
         const film_bounds bounds = reduced_march_bounds(reduced);
         add_step(&here, steps, &outcome, &bounds, &wanted->steps[i], wanted->reference);
-        if (i == 0) continue; // the start is no step
+        if (i == 0) continue; // the start is not a step
         here.seconds += seconds;
         here.iterations += (double)outcome.iterations;
         here.num_steps++;

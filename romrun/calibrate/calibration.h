@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Measures the errors of a model at one of its sizes on scenes with known full solutions, and fits
- * its factors (romrun/trust/README.md, Error estimates).
+/* Measures the errors of one size of a model on scenes with known full solutions, and fits the
+ * factors of the error estimates (romrun/trust/README.md, Error estimates).
  * Called by validation.c for each size. */
 #ifndef EHD_CALIBRATION_H
 #define EHD_CALIBRATION_H
@@ -16,16 +16,17 @@ typedef struct solved_scene {
 } solved_scene;
 
 /* Measures errors and time on stationary scenes. Solves each scene several times on one thread, as
- * romrun does. `model` is opened with the sizes of the position. Errors of online_solve;
- * EHD_INTERRUPTED with an empty text. */
+ * romrun does. `model` is opened with the sizes of the position. Errors: those of online_solve;
+ * EHD_INTERRUPTED, with an empty text. */
 ehd_status calibration_measure(
     // output:
     trade_position *position, // only the members for scenes are set
     // input:
     const online_model *model, const solved_scene *scenes, size_t num_scenes, ehd_error *error);
 
-/* Measures errors and time on trajectories, which are repeated with the steps of the full model.
- * Prepares the model for transient scenes. Errors as calibration_measure. */
+/* Measures errors and time on trajectories. The reduced model repeats each trajectory with the time
+ * steps of the full model. The function prepares the model for transient scenes. Errors: those of
+ * calibration_measure. */
 ehd_status calibration_measure_in_time(
     // output:
     trade_position *position, // only the members for trajectories are set

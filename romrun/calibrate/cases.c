@@ -16,12 +16,12 @@ enum { NUM_SIZES = 2 }; // two model sizes: the chosen and the most accurate one
 
 /* A model opened with certain sizes. */
 typedef struct sized_model {
-    online_model *model; // NULL: not used
-    const char *unchecked;
+    online_model *model;   // NULL: this model is not used
+    const char *unchecked; // reason of online_unchecked; NULL: the model was checked
 } sized_model;
 
-/* Number of cases in memory. With 30 instead of 1000, threads wait for each other more often:
- * 10,000 cases of 12 modes took 1.12 s instead of 0.94 s of processor time. */
+/* Largest number of cases in memory. If this number is 30 instead of 1000, threads wait for each
+ * other more often: 10,000 cases of 12 modes took 1.12 s instead of 0.94 s of processor time. */
 enum { NUM_SLOTS = 1000 };
 
 typedef struct batch {
@@ -37,13 +37,13 @@ typedef struct batch {
     size_t num_done;
     progress progress;
     pthread_mutex_t lock; // protects `idle`
-    struct worker *idle;  // list of workers that wait between batches
+    struct worker *idle;  // workers that wait for the next batch, as a linked list
 } batch;
 
 typedef struct worker {
     online_solver *solvers[NUM_SIZES];
     ehd_contact contact;
-    bool with_effects; // true: estimate the errors by the grid
+    bool with_effects; // true: estimate the errors due to the grid
     struct batch *shared;
     struct worker *next;
 } worker;
@@ -115,8 +115,8 @@ static void add_traction(case_row *row, contact_traction found, online_solver *s
     row->indicated_deviation_friction = online_indicate_friction(solver, contact, found.friction);
 }
 
-/* Solves a case with one of the models. *trusted: the result is accepted, so no other model size is
- * needed. */
+/* Solves a case with one of the models. *trusted: true if the result is accepted, so that no other
+ * model size is needed. */
 static ehd_status solve_with(bool *trusted, const batch *self, const worker *own, int m,
                              case_row *row, ehd_error *error) {
     const cases_task *task = self->task;
@@ -147,7 +147,8 @@ static ehd_status solve_with(bool *trusted, const batch *self, const worker *own
         accuracy_judge_peak(&peak, task->accuracy, online_indicate_peak(own->solvers[m]));
         *trusted = !peak.status;
     }
-    result_judge_grid(&result, &contact->grid); // other model sizes have the same grid
+    // judged after *trusted is set, since other model sizes have the same grid
+    result_judge_grid(&result, &contact->grid);
     const double before = isnan(row->solve_seconds) ? 0 : row->solve_seconds;
     *row = case_row_of(contact);
     row->status = result_stored_status(result.status);

@@ -12,8 +12,9 @@ typedef struct cases_task {
     const program *caller; // arguments[0] is the scene
     const char *model;     // path of the model
     part_sizes sizes;
-    part_sizes most_accurate; // for cases that `sizes` do not solve well; 0 modes: not used
-    double accuracy;          // 0: not given
+    part_sizes most_accurate; // sizes for the cases that are not solved well with `sizes`; if the
+                              // number of modes is 0, such cases are not solved again
+    double accuracy;          // value of --accuracy; 0: --accuracy is not given
     const accuracy_limits *limits;
     size_t num_jobs; // number of threads
     const char *settings_text;
@@ -23,16 +24,18 @@ typedef struct cases_task {
 
 typedef struct cases_summary {
     size_t num_cases, num_unsolved, num_untrusted;
-    size_t first;      // line of the first case with the worst status; 0: all are trusted
+    size_t first;      // line of the first case with the worst status; 0: all cases are trusted
     size_t num_solved; // number of cases solved by this run
     double seconds;    // elapsed time of these cases
 } cases_summary;
 
 /* Solves all cases and writes their table (case_table.h). The rows do not depend on num_jobs, and
  * the memory does not depend on the number of cases. A case that does not converge or is not
- * trusted gets a row with its status. Errors: EHD_DATA (before any case is solved: a row is no
- * stationary contact, or has another grid than the model); EHD_INTERRUPTED (the solved cases are
- * written, and a run with `resume` continues); errors of online_open. */
+ * trusted gets a row with its status. Errors:
+ * - EHD_DATA, before any case is solved: a row is no stationary contact, or has another grid than
+ *   the model.
+ * - EHD_INTERRUPTED: the solved cases are written, and a run with `resume` continues.
+ * - Errors of online_open. */
 ehd_status cases_solve(
     // output:
     cases_summary *summary,

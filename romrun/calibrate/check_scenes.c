@@ -7,12 +7,13 @@
 
 #include <stdlib.h>
 
-/* Smallest and largest number of stationary check scenes, percentage of scenes that are far apart,
- * and largest number of trajectories. Scenes far apart lie mostly at the edge of the region and
- * find the largest errors. The other scenes represent the usual errors. The factors of the
- * estimates were compared with the factors that cover all errors of 118 and 149 random scenes (both
- * loaded regions). With 20 scenes that are far apart and 10 other scenes, the factors are at least
- * 1.6 times as large. With 20 scenes along the walk alone they are only 0.65 times as large
+/* Smallest and largest number of stationary check scenes, percentage of scenes that are chosen far
+ * from each other, and largest number of trajectories. Scenes far from each other lie mostly at the
+ * edge of the region and find the largest errors. The other scenes, an even sample along a walk
+ * through the region, represent the usual errors. The factors of the estimates were compared with
+ * the factors that cover all errors of 118 and 149 random scenes (lower and higher loaded region).
+ * With 20 scenes far from each other and 10 other scenes, the factors are at least 1.6 times as
+ * large. With 20 scenes along the walk alone they are only 0.65 times as large
  * (deimselect/README.md, The check). */
 enum { MIN_SCENES = 10, MAX_SCENES = 30, PERCENT_SPREAD = 67, MAX_TRAJECTORIES = 3 };
 
@@ -30,7 +31,7 @@ static ehd_status make_set(training_set *set, const plan *of, const reduced_mode
     return status;
 }
 
-/* Keeps only the points that the model was trained on. Removes points that failed or were not
+/* Keeps only the points that the model was trained on: removes points that failed or were not
  * solved. Keeps all trajectories. */
 static ehd_status keep_trained(training_set *set, const reduced_model *model, const char *name,
                                ehd_error *error) {
@@ -91,7 +92,7 @@ size_t check_scenes_count(size_t num_trained, const training_set *set) {
     return smaller(larger(num_trained / 2, MIN_SCENES), most);
 }
 
-/* Chooses among the candidates. Only the chosen ones remain in the plan `between`. */
+/* Chooses among the candidates. Only the chosen candidates remain in the plan `between`. */
 static ehd_status choose(plan *between, const training_set *candidates, const training_set *trained,
                          const char *name, ehd_error *error) {
     const size_t num_points = candidates->num_points;

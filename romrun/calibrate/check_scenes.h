@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Chooses the scenes on which a new model is checked, between its training points (between.h;
- * deimselect/README.md, The check).
- * Called by deimselect/checked_model.c, and by snapgen/adaptive.c for their number. */
+/* Chooses the scenes on which a new model is checked. They lie between the training points
+ * (between.h; deimselect/README.md, The check).
+ * Called by deimselect/checked_model.c, and by snapgen/adaptive.c for the number of scenes. */
 #ifndef EHD_CHECK_SCENES_H
 #define EHD_CHECK_SCENES_H
 
@@ -9,15 +9,16 @@
 #include "romrun/model/reduced_model.h"
 
 /* Returns the number of stationary check scenes for a model with `num_trained` stationary training
- * points, if so many are available. `set` provides the lubricants. */
+ * points. Fewer scenes may be available. `set` provides the lubricants. */
 size_t check_scenes_count(size_t num_trained, const training_set *set);
 
-/* Chooses stationary scenes and trajectories half-way between those of the training (between.h), on
- * the grid of the model. All of them lie inside of the trained range, and none is a training point.
+/* Chooses stationary scenes and trajectories on the grid of the model. Each lies half-way between
+ * two neighbours of the training (between.h) and inside of the trained range, and none is a
+ * training point.
  *
  * - Stationary scenes: half as many as training points, at least 10, and at most 30 for each pair
- *   of a viscosity law and a density law. Some scenes are far apart, with at least one scene of
- *   each lubricant and group. The other scenes are an even sample of the region.
+ *   of a viscosity law and a density law. Some scenes are chosen far from each other, with at least
+ *   one scene of each lubricant and group. The other scenes are an even sample of the region.
  * - Trajectories: half as many as were trained, 1 to 3.
  *
  * EHD_DATA: the text is no plan, the plan has another grid, or no scene lies between training

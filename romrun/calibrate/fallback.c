@@ -75,7 +75,7 @@ static int compare_seconds(const void *left, const void *right) {
     return (a > b) - (a < b);
 }
 
-/* Solves `repeats` times. self->info is that of the run with the median time. */
+/* Solves `repeats` times. self->info becomes the info of the solution with the median time. */
 static ehd_status solve(fallback *self, full_solver *solver, const full_state *first,
                         const ehd_contact *contact, size_t repeats, ehd_error *error) {
     full_info *runs = calloc(repeats, sizeof *runs);
@@ -112,9 +112,10 @@ static ehd_status make_exits(fallback *self, const ehd_grid *grid, ehd_error *er
 ehd_status fallback_solve(fallback *self, online_solver *solver, const online_result *result,
                           const ehd_contact *contact, size_t repeats, ehd_error *error) {
     const full_settings settings = full_default_settings();
-    // Mean times: if a reduced solution has converged but is not trusted, a start from it takes 15
-    // ms, a cold start 29 ms. If it has not converged, a start from it takes 153 ms, a cold start
-    // 36 ms (150 random scenes in and around a training, M 3 to 200, L 0.5 to 16).
+    // Mean times of the full model: 15 ms from a reduced solution that has converged but is not
+    // trusted, 29 ms from a cold start. From a reduced solution that has not converged the full
+    // model takes 153 ms, from a cold start 36 ms (150 random scenes in and around a trained range,
+    // M 3 to 200, L 0.5 to 16).
     const bool converged = result->status != EHD_NOT_CONVERGED;
     full_solver *full = NULL;
     full_state first = {0};

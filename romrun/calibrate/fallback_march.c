@@ -29,22 +29,24 @@ _Static_assert(sizeof(standing) == NUM_STANDING * sizeof(double), "these are dou
 
 struct fallback_march {
     ehd_contact reference;
-    // limit of the films' error estimates in a reduced step, and of the `deviation` of these films
-    // from the full model's films
+    // limit of the error estimates of both films in a reduced step, and of the deviation of the
+    // reduced films from the full model's films (function `deviation`)
     double limit;
-    const char *distrust; // why the full model takes all steps; NULL: it takes single steps
+    const char *distrust; // why the full model takes all steps; NULL: the full model takes only
+                          // single steps
     parts_march *reduced;
     full_march *full;
     march_solver of_reduced, of_full;
     standing now;
     char reason[MARCH_REASON]; // reason of the first full step
-    // state of the attempt:
+    // state of the attempted step:
     bool by_full;      // the full model solved the step
     bool tried;        // the reduced model has taken over the full model's states
-    bool returns;      // the reduced model solved the step as the full model did, and takes the
-                       // next steps
+    bool returns;      // the reduced model solved the step like the full model, and takes the next
+                       // steps
     const char *doubt; // why the reduced model does not take the step
     bool base_taken;   // the reduced model has taken over the full model's base
+                       // (common/time/README.md, Along the path)
     hand_over work;
 };
 
@@ -59,9 +61,10 @@ fallback_march *fallback_march_free(fallback_march *self) {
 ehd_status fallback_march_create(fallback_march **created, parts_march *reduced, double start_film,
                                  double accuracy, const char *distrust, ehd_error *error) {
     // Limit of the estimated film errors, as a fraction of the accuracy. Measured with an accuracy
-    // of 1 % and an untrained load of +-30 %. With 1 in place of 0.1 the error of the minimum film
-    // is 25 %, and the full model takes 330 of 640 steps. With 0.1 the error is 0.57 %, and the
-    // full model takes 348 steps (README.md, Fallback to the full model).
+    // of 1 % and a load that varies by +-30 %, which was not trained. If the fraction is 0.1, the
+    // error of the minimum film is 0.57 %, and the full model takes 348 of 640 steps. If the
+    // fraction is 1, the error is 25 %, and the full model takes 330 steps (README.md, Fallback to
+    // the full model).
     const double part = 0.1;
     const full_settings settings = full_default_settings();
     const ehd_contact *reference = reduced_march_steps(parts_march_part(reduced, 0))->reference;
@@ -112,7 +115,8 @@ static contact_frame load_frame(const fallback_march *self, size_t steps) {
 /* Returns the largest difference between the films of a reduced and a full state, divided by the
  * larger of the full film and the central film. Returns infinity if a film is not a number.
  * Compares all nodes before the exits of the full state, even nodes without pressure, because the
- * fluid carries their film on. `steps`: number of steps from the state to the attempt. */
+ * fluid carries their film on. `steps`: number of time steps between both states and the attempted
+ * step. */
 static double deviation(fallback_march *self, reduced_march *part, size_t steps,
                         double central_film) {
     const ehd_grid *grid = &self->reference.grid;
@@ -131,9 +135,9 @@ static double deviation(fallback_march *self, reduced_march *part, size_t steps,
     return largest;
 }
 
-/* Hands the states of the full model to a part of the reduced model, which projects them onto its
- * modes. *off: largest difference of the films that this projection causes. The difference at the
- * last state enters the error estimate. */
+/* Hands the states of the full model to a part of the reduced model, which projects these states
+ * onto its modes. *off: largest difference of the films that the projection causes. The difference
+ * at the last state enters the error estimate. */
 static ehd_status to_reduced(double *off, fallback_march *self, reduced_march *part,
                              double central_film, ehd_error *error) {
     const bdf_march *full = full_march_steps(self->full);
@@ -149,8 +153,8 @@ static ehd_status to_reduced(double *off, fallback_march *self, reduced_march *p
     return EHD_OK;
 }
 
-/* Marks a reduced step as not trusted if the error estimate of a film exceeds the limit: otherwise
- * the full model would later take over a film with this error. */
+/* Marks a reduced step as not trusted if the error estimate of a film exceeds the limit. Otherwise
+ * the full model might later take over a film with this error. */
 static void judge_indicated(march_step *outcome, const fallback_march *self) {
     if (!outcome->status && fmax(outcome->indicated, outcome->indicated_minimum) > self->limit)
         march_distrust(outcome, "a film indicated to deviate by more than a tenth of the accuracy");
@@ -164,9 +168,9 @@ static bool is_budget_spent(const fallback_march *self) {
 }
 
 /* Tries to return to the reduced model. The reduced model gets the projected states of the full
- * model and solves the step that the full model has just solved. It takes the next steps if this
- * step is trusted and its films agree with the full model's within the limit. Film features outside
- * of the reduced basis have then left the contact. */
+ * model and solves the step that the full model has just solved. If this step is trusted, and its
+ * films agree with the full model's films within the limit, the reduced model takes the next steps.
+ * Film features outside of the reduced basis have then left the contact. */
 static ehd_status try_to_return(fallback_march *self, const march_step *solved,
                                 const contact_frame *frame, double step, ehd_error *error) {
     const contact_frame now = load_frame(self, 0), before = load_frame(self, 1);
@@ -185,7 +189,7 @@ static ehd_status try_to_return(fallback_march *self, const march_step *solved,
     if (!status)
         status = self->of_reduced.attempt(&outcome, self->of_reduced.self, frame, step, error);
     if (status) return status;
-    self->now.wasted += (double)outcome.iterations; // the full model takes the step
+    self->now.wasted += (double)outcome.iterations; // wasted, since the full model takes the step
     judge_indicated(&outcome, self);
     if (outcome.status) return EHD_OK;
     part = parts_march_part(self->reduced, parts_march_attempted(self->reduced));
@@ -253,7 +257,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     ehd_status status = EHD_OK;
 
     self->by_full = self->tried = self->returns = false;
-    close_attempt(self, &self->now.wasted); // the last attempt was rejected
+    close_attempt(self, &self->now.wasted); // the iterations of a rejected attempt, if any
     if (!was_full && is_budget_spent(self)) {
         self->doubt = "more iterations of attempts in vain than of steps";
     } else if (!was_full) {
@@ -274,9 +278,9 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     return status;
 }
 
-/* Sets the number of full steps before the next try of the reduced model. A failed try doubles the
- * pause. A return doubles the pause if the reduced model then took fewer steps than the pause had.
- * Failures thus cost little. */
+/* Sets the pause, the number of full steps before the next try of the reduced model. A failed try
+ * doubles the pause. A return also doubles the pause if the reduced model then took fewer steps
+ * than the pause had; otherwise the pause is reset to 1. Failures thus cost little. */
 static void set_pause(fallback_march *self) {
     standing *now = &self->now;
 

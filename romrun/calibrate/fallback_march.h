@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* romrun --fallback full in time. The reduced model takes a step if it is trusted. Otherwise the
- * full model takes the step from the same states, until the reduced model is trusted again
- * (README.md, Fallback).
+/* romrun --fallback full in time. The reduced model takes a step if this step is trusted. Otherwise
+ * the full model takes the step from the same states. It also takes the next steps until the
+ * reduced model is trusted again (README.md, Fallback).
  * Called by romrun/main.c. */
 #ifndef EHD_FALLBACK_MARCH_H
 #define EHD_FALLBACK_MARCH_H
@@ -14,9 +14,9 @@ typedef struct fallback_march fallback_march;
 
 /* Creates a march with fallback. `reduced` must outlive the march, and nothing else may use it.
  * `accuracy`: accuracy of the films. A tenth of the accuracy limits the error estimate of a reduced
- * step. This tenth also limits the difference of both models' films before reduced steps are taken
- * again. `distrust`: reason why the full model takes all steps; NULL: it takes single steps.
- * Errors: EHD_MEMORY. */
+ * step. The same tenth limits the difference between the films of both models before the reduced
+ * model may return. `distrust`: reason why the full model takes all steps; NULL: the full model
+ * takes only single steps. Errors: EHD_MEMORY. */
 ehd_status fallback_march_create(
     // output:
     fallback_march **self, // free with fallback_march_free
@@ -28,8 +28,8 @@ fallback_march *fallback_march_free(fallback_march *self); // accepts and return
 /* Returns the march as a solver for march_run. */
 march_solver fallback_march_solver(fallback_march *self);
 
-/* Return the fraction of the steps that the full model took, and the effort of both models in
- * seconds, for time_run. */
+/* The first function returns the share of the full model in the march. The second returns the time
+ * of both models in seconds. Both are used for time_run. */
 time_run_share fallback_march_share(const void *solver);
 void fallback_march_effort(double *rows, double *linear, double *exit, const void *solver);
 

@@ -48,7 +48,7 @@ static ehd_status store_step(void *sink, const march_step *step, size_t index, e
                                                   : frame_of_load(target->reference->kind,
                                                                   &step->frame, step->scalars.load),
         .step = step->step,
-        // at a jump the march resets the forecast
+        // the march resets the forecast at a jump, so last_step is then 0
         .jump = index > 0 && self->march.state.forecast.last_step == 0,
         .scalars = frame_to_reference(&step->scalars, &step->frame, target->reference)};
     return EHD_OK;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Records trajectories of the full model, which a reduced model then repeats with the same steps
- * (README.md, Calibration and the accuracy dial).
+/* Records trajectories of the full model. A reduced model then repeats them with the same time
+ * steps (README.md, Calibration and the accuracy dial).
  * Called by validation.c and calibration.c. */
 #ifndef EHD_RECORDING_H
 #define EHD_RECORDING_H
@@ -16,8 +16,8 @@
 typedef struct recorded_step {
     contact_frame frame;      // frame of the solution
     contact_frame load_frame; // frame scaled by the load of the solution
-    double step;              // 0 at the start
-    bool jump;                // the conditions jump after this step
+    double step;              // length of the step; 0 at the start
+    bool jump;                // true: the conditions jump after this step
     contact_scalars scalars;  // scalars in the reference frame
 } recorded_step;
 
@@ -40,7 +40,7 @@ ehd_status recordings_make(
     // input:
     const program *caller, const training_set *set, size_t num_workers, ehd_error *error);
 
-/* If a step lies outside of the trained range of a model, returns the reason; otherwise NULL. */
+/* Returns the reason why a step lies outside of the trained range; NULL: all steps lie inside. */
 const char *recording_check(const recording *self, const trained_range *range);
 
 #endif

@@ -9,12 +9,13 @@
 #include "romrun/calibrate/accuracy.h"
 #include "romrun/online/online.h"
 
-/* Converts a solution to a result without fields, exits and error estimates of other quantities. */
+/* Converts a solution to a result. The result has no fields, no exits and, except for the films, no
+ * error estimates. */
 run_result reduced_result(const online_result *solution);
 
-/* Sets EHD_UNTRUSTED if the error estimate of a film exceeds accuracy_limit(accuracy), the model
- * was never checked, or the estimate of another quantity exceeds its limit. `unchecked`: the reason
- * of online_unchecked; NULL: the model was checked. */
+/* Sets EHD_UNTRUSTED in each of these cases: the error estimate of a film exceeds
+ * accuracy_limit(accuracy), the model was never checked, or the estimate of another quantity
+ * exceeds its limit. `unchecked`: the reason of online_unchecked; NULL: the model was checked. */
 void reduced_result_judge(run_result *result, const char *unchecked, double accuracy,
                           const accuracy_limits *limits);
 

@@ -16,8 +16,8 @@ static double estimate(const film_factors *factors, const film_bounds *bounds, r
 }
 
 /* Changes the floor of a film and returns the new factors. The factor of this film becomes the
- * smallest value, not below `least`, with which each estimate is at least time_margin times the
- * error. */
+ * smallest value, at least `least`, with which the estimate of each step is at least time_margin
+ * times its error. */
 static film_factors with_floor(film_factors factors, const step_samples *steps, reduced_film film,
                                double least, double floor) {
     const bool central = film == REDUCED_CENTRAL_FILM;
@@ -35,7 +35,8 @@ static film_factors with_floor(film_factors factors, const step_samples *steps, 
     return factors;
 }
 
-/* Returns the sum, over the trajectories that were not lost, of the largest estimate of a film. */
+/* Returns the sum, over all trajectories that are not `lost`, of the largest estimate of a film. A
+ * lost trajectory has a step that did not converge or is not trusted. */
 static double sum_of_largest(film_factors factors, const step_samples *steps, reduced_film film,
                              const bool *lost) {
     double sum = 0, largest = 0;
@@ -52,13 +53,13 @@ static double sum_of_largest(film_factors factors, const step_samples *steps, re
     return sum + largest;
 }
 
-/* Returns the factors with that floor of a film for which sum_of_largest is smallest. The sum is a
+/* Returns the factors with the floor of a film for which sum_of_largest is smallest. The sum is a
  * convex function of the floor, so a ternary search finds its minimum. */
 static film_factors with_best_floor(film_factors factors, const step_samples *steps,
                                     reduced_film film, const bool *lost, double *errors) {
     // `usual`: quantile of the errors at which the search begins (time_factors_fit). `precision`:
-    // width of the last interval over the width of the first. With 0.5 for either constant, a
-    // single step decides a factor (test_time_factors.c,
+    // width of the last search interval, divided by the width of the first one. If either constant
+    // is 0.5, a single step decides a factor (test_time_factors.c,
     // test_a_step_with_a_tiny_bound_decides_no_factor).
     const double usual = 0.95, precision = 1e-3;
 

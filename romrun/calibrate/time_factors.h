@@ -23,30 +23,32 @@ typedef struct step_samples {
     step_sample *samples; // [count]; the steps of a trajectory are contiguous
 } step_samples;
 
-/* Smallest ratio of error estimate to error over the steps of a calibration. With 2 in place of 3
- * one of 800 runs of scenes/studies/silent-in-time (seeds 41 and 51) exceeded an accuracy of 1e-3
- * without a warning. Its error was 1.0005e-3, and the estimate 0.75e-3. */
+/* Smallest ratio of error estimate to error over the steps of a calibration. With a ratio of 2 in
+ * place of 3, one of 800 runs of scenes/studies/silent-in-time (seeds 41 and 51) exceeded an
+ * accuracy of 1e-3 without a warning. The error of this run was 1.0005e-3, and its estimate
+ * 0.75e-3. */
 extern const double time_margin;
 
-/* Fits factors and floors: the estimate of each step is at least time_margin times its error. With
- * a floor of 0, a single step whose bound is lost in noise would decide the factor. The fit
- * therefore takes the floor for which the largest estimate, averaged over the trajectories, is
- * smallest. With this floor it takes the smallest factor, at least time_margin. If a floor of 0 and
- * the factor time_margin suffice for the central film, the floor stays 0. Without steps all factors
- * and floors are 0.
+/* Fits factors and floors such that the estimate of each step is at least time_margin times its
+ * error. With a floor of 0, a single step whose bound is lost in noise would decide the factor. The
+ * fit therefore takes the floor that minimises the mean, over the trajectories, of the largest
+ * estimate of each trajectory. With this floor it takes the smallest factor, at least time_margin.
+ * If a floor of 0 and the factor time_margin suffice for the central film, the floor stays 0.
+ * Without steps all factors and floors are 0.
  *
  * A floor is at least time_margin times the error that 95 % of the steps do not exceed. With
  * smaller floors and a margin of 2, 3 of 106 steps of tests/pipeline/calibrate.bats, "step by
- * step", had estimates below the errors. With a margin of 3 no step had. */
+ * step", had estimates below the errors. With a margin of 3 no step had such an estimate. */
 film_factors time_factors_fit(
     // input:
     const step_samples *steps,
-    const bool *lost, // [number of trajectories]; true: not part of the mean
+    const bool *lost, // [number of trajectories] true: the trajectory is left out of the mean,
+                      // since one of its steps did not converge or is not trusted
     // work:
     double *errors); // [count]
 
-/* Raises the estimate of each trajectory to its largest estimate of either film, but not above 1.
- */
+/* Raises the estimate of each trajectory to the largest estimate of its steps, over both films, but
+ * not above 1. */
 void time_factors_apply(
     // in and output:
     double *indicated, // [number of trajectories]

@@ -8,10 +8,10 @@
 
 // ---- the ladder
 
-/* Numbers of modes in the ladder. MIN_MODES: smallest number. STRIDE: ratio of successive numbers;
- * two strides double the number. HALVED: number of strides at the end, among the accurate sizes,
- * that are halved (README.md, Calibration and the accuracy dial; test_trade.c,
- * the_ladder_goes_from_ten_modes_to_all). */
+/* Numbers of modes in the ladder, the list of sizes. MIN_MODES: smallest number. STRIDE: ratio of
+ * successive numbers; two strides double the number. HALVED: number of strides that are halved;
+ * these are the last strides, among the accurate sizes (README.md, Calibration and the accuracy
+ * dial; test_trade.c, the_ladder_goes_from_ten_modes_to_all). */
 static const double MIN_MODES = 10, STRIDE = 1.4142;
 static const size_t HALVED = 2;
 static const double ROWS_PER_MODE[] = {1.2, 1.5, 2, 3, INFINITY}; // INFINITY: all stored rows
@@ -80,7 +80,8 @@ double trade_indicator_factor(const double *deviations, const double *bounds, si
     return trade_margin * largest;
 }
 
-/* Ratios of deviation to bound. The shape of an estimate must lie above all of them. */
+/* Ratios of deviation to bound of the scenes. The shape of an estimate must lie above all
+ * ratios. */
 typedef struct ratios {
     double *bound, *ratio; // [count]
     size_t count;
@@ -127,9 +128,9 @@ static size_t smallest_bound(const ratios *self) {
     return smallest;
 }
 
-/* Returns the best straight line above the ratios, as functions of the bound: an edge of their
- * upper hull, or the constant largest ratio. The hull begins at a bound of zero with the ratio of
- * the smallest bound, and ends at the largest ratio. */
+/* Returns the best straight line above the ratios, as a function of the bound. The candidates are
+ * the edges of the ratios' upper hull, and the constant largest ratio. The hull begins at a bound
+ * of zero with the ratio of the scene with the smallest bound, and ends at the largest ratio. */
 static indicator_shape best_line(const ratios *self) {
     indicator_shape best = plain_shape;
     double least = indicated_sum(self, best), bound = 0;
@@ -155,11 +156,11 @@ static indicator_shape best_line(const ratios *self) {
     return best;
 }
 
-/* Fits an offset and the multiple of the bound that is added to the offset. The offset is the
+/* Fits an offset, and the multiple of the bound that is added to the offset. The offset is the
  * deviation of one of the scenes. To first order a deviation equals the bound, so the multiple is
- * at least 1; if all ratios are below 1, it is at least the largest ratio. With a smaller multiple
- * the offset alone might cover all scenes of the calibration. Any other scene would then get the
- * offset as its estimate, whatever its residual is. */
+ * at least 1. If all ratios are below 1, the multiple is at least the largest ratio. With a smaller
+ * multiple, the offset alone might cover all scenes of the calibration. Any other scene would then
+ * get the offset as its estimate, whatever its residual is. */
 static indicator_shape best_offset(const ratios *self, indicator_shape line) {
     const double first_order = fmin(1, self->largest);
     indicator_shape best = line;
@@ -213,8 +214,8 @@ trade_price trade_price_of(const trade_position *position, bool in_time) {
                          position->seconds, position->num_failures};
 }
 
-/* Checks whether a model size may be chosen in spite of failures. This is allowed in time with
- * error estimates, because all sizes may fail after jumps. */
+/* Checks whether a model size may be chosen in spite of failures. This is allowed for transient
+ * contacts with error estimates, because all sizes may fail after jumps. */
 static bool may_fail(const trade_position *position, bool in_time) {
     return in_time && position->factor_in_time > 0;
 }
@@ -300,9 +301,10 @@ size_t trade_cheapest(const trade_table *table, double deviation, bool in_time) 
     return best < table->num_positions ? best : smoothest;
 }
 
-/* Returns the measure that is smallest for the most accurate model size: the deviation of
- * trade_price_of. In time, with error estimates, it is the geometric mean of the quantiles of the
- * estimates. A lost trajectory has the estimate 1. */
+/* Returns the measure that is smallest for the most accurate model size. It is the deviation of
+ * trade_price_of. For transient contacts with error estimates, it is the geometric mean of the
+ * quantiles of the estimates. A trajectory with a step that fails or is not trusted has the
+ * estimate 1. */
 static double inaccuracy(const trade_position *position, bool in_time) {
     double sum = 0;
 

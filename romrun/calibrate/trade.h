@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Holds the sizes of a model, with their measured errors and time, and chooses a size (README.md,
- * Calibration and the accuracy dial).
+ * Calibration and the accuracy dial). A *position* is the entry of one size in the table.
  * Called by accuracy.c, calibration.c and validation.c, by romrun/main.c, and by
  * snapgen/adaptive.c. */
 #ifndef EHD_TRADE_H
@@ -12,22 +12,24 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* Creates the ladder of model sizes to measure. The number of pressure modes grows from about 10 to
- * all by factors of about sqrt(2), with half strides at the end. The number of deformation modes is
- * in proportion. The numbers of rows are 1.2, 1.5, 2 and 3 times the number of pressure modes, and
- * all. Errors: EHD_MEMORY. */
+/* Creates the list (ladder) of model sizes to measure. The number of pressure modes grows from
+ * about 10 to all modes by factors of about sqrt(2), at the end by the square root of this factor.
+ * The number of deformation modes is in proportion. The numbers of rows are 1.2, 1.5, 2 and 3 times
+ * the number of pressure modes, and all rows. Errors: EHD_MEMORY. */
 ehd_status trade_ladder(
     // output:
     trade_table *table, // free with trade_free; only the sizes are filled
     // input:
     const online_properties *whole, ehd_error *error);
 
-/* Returns a quantile of the values (nearest rank) and sorts them; NaN without values. */
+/* Returns a quantile of the values (nearest rank), which are sorted by the call. NaN: there are no
+ * values. */
 double trade_quantile_of(double *values, size_t count, double quantile);
 
-/* Checks whether a position is not Pareto-optimal. Either it may not be chosen, or another position
- * is at least as good in failures, time and deviation, and better in one of these. `in_time`, here
- * and below: by the measurements on trajectories. */
+/* Checks whether a position is not Pareto-optimal. This is true in two cases: the position may not
+ * be chosen, or another position is at least as good in failures, time and deviation, and better in
+ * one of these. `in_time`, here and below: uses the measurements on trajectories instead of the
+ * measurements on stationary scenes. */
 bool trade_is_dominated(const trade_table *table, size_t position, bool in_time);
 
 /* Returns the fastest position that meets a relative deviation of the films; num_positions if there
@@ -38,35 +40,39 @@ bool trade_is_dominated(const trade_table *table, size_t position, bool in_time)
  * trade_pressures_allowed times `deviation`, because false spikes may occur where the films are
  * right. If no candidate has such pressures, the candidate with the best pressures is returned.
  *
- * In time, with error estimates: candidates have estimates within `deviation` on at least half of
- * the trajectories, since the estimates mark the steps that exceed `deviation`. Three criteria
- * decide in this order: fewest lost trajectories, most trajectories within `deviation`, shortest
- * time. Lost trajectories are allowed: on 5 of 20 random histories, whose films rupture in the
- * inlet after a jump or fill the outlet, all sizes fail (scenes/studies/silent-in-time). */
+ * Transient, with error estimates: the estimates of a candidate are within `deviation` on at least
+ * half of the trajectories. This is enough, because the estimates mark the steps that exceed
+ * `deviation`. Three criteria decide in this order: fewest lost trajectories, most trajectories
+ * within `deviation`, shortest time. Lost trajectories (a step failed or was not trusted) are
+ * allowed, because all sizes fail on 5 of 20 random histories. The films of these histories rupture
+ * in the inlet after a jump or fill the outlet (scenes/studies/silent-in-time). */
 size_t trade_cheapest(const trade_table *table, double deviation, bool in_time);
 
 /* Returns the position without failures that has the smallest deviation (trade_price_of);
- * num_positions if there is none. In time, with error estimates: among the positions that solve
- * half of the trajectories, returns the one with the smallest geometric mean of the quantiles of
- * the estimates. Lost trajectories have the estimate 1. */
+ * num_positions if there is none. For transient contacts with error estimates, the function
+ * compares the positions that solve at least half of the trajectories. It returns the position with
+ * the smallest geometric mean of the quantiles of the estimates. A trajectory with a step that
+ * fails or is not trusted has the estimate 1. */
 size_t trade_most_accurate(const trade_table *table, bool in_time);
 
-/* Deviation and time by which model sizes are chosen. Error estimates mark the scenes that deviate
- * by more than is wanted. It therefore suffices with estimates if 90 % of the scenes have estimates
- * of at most the wanted deviation. */
+/* Deviation, time and failures by which model sizes are chosen. Error estimates mark the scenes
+ * that deviate by more than is wanted. If a model has error estimates, it is therefore enough if
+ * the estimates of 90 % of the scenes are at most the wanted deviation. */
 typedef struct trade_price {
-    // Stationary: the worst deviation of the films or, with error estimates, the estimates' 90 %
-    // quantile. In time: the worst deviation of the central film or, with error estimates, the
-    // median of the estimates over the trajectories (infinite if more than half are lost).
+    // stationary: the worst deviation of the films; with error estimates, the 90 % quantile of the
+    // estimates. Transient: the worst deviation of the central film; with error estimates, the
+    // median of the estimates over the trajectories (infinite if more than half of the trajectories
+    // are lost: a step failed or is not trusted)
     double deviation;
-    double seconds;      // time of a solution or a step
-    size_t num_failures; // stationary with error estimates: 0 if up to 10 % of the scenes fail; in
-                         // time: number of lost trajectories
+    double seconds; // time of a solution or of a time step
+    // stationary: number of scenes that fail; with error estimates, 0 if at most 10 % of the scenes
+    // fail. Transient: number of lost trajectories
+    size_t num_failures;
 } trade_price;
 trade_price trade_price_of(const trade_position *position, bool in_time);
 
-/* Returns the largest fraction in trade_time_parts with this property: that fraction of the
- * trajectories has error estimates of at most `deviation`. 0 if it is less than half, or without
+/* Returns the fraction of the trajectories whose error estimates are at most `deviation`, rounded
+ * down to a value of trade_time_parts. Returns 0 if the fraction is less than half, or without
  * error estimates. */
 double trade_part_in_time(const trade_position *position, double deviation);
 
@@ -84,17 +90,20 @@ extern const double trade_margin;
  * Calibration and the accuracy dial; test_trade.c, pressures_may_be_off_three_times_as_much). */
 extern const double trade_pressures_allowed;
 
-/* Returns the factor of the error estimate of a film (indicator.h): the smallest factor with which
- * each scene's estimate is at least trade_margin times its deviation. Returns 0 without scenes. */
+/* Returns the factor of the error estimate of a film (indicator.h). It is the smallest factor with
+ * which the estimate of each scene is at least trade_margin times its deviation. Returns 0 without
+ * scenes. */
 double trade_indicator_factor(const double *deviations, const double *bounds, size_t count);
 
 /* Fits the dependence of the factor on the bound (romrun/trust/README.md, The factor grows with the
- * bound). As with a constant factor, each scene's estimate is at least trade_margin times its
- * deviation. The fit is the straight line above all scenes' ratios of deviation to bound with the
- * smallest geometric mean of the estimates. At a bound of zero the line is not below the ratio of
- * the scene with the smallest bound. `with_offset`: then also fits an offset plus a multiple of the
- * bound. The estimate is the smaller value of both fits; its geometric mean is minimised. Without
- * scenes the shape is plain_shape. Errors: EHD_MEMORY. */
+ * bound). The estimate of each scene remains at least trade_margin times its deviation, as with a
+ * constant factor. The factor becomes a straight line above the ratios of deviation to bound of all
+ * scenes. Of these lines, the fit takes the line with the smallest geometric mean of the estimates.
+ * At a bound of zero the line is not below the ratio of the scene with the smallest bound.
+ *
+ * `with_offset`: the function also fits an offset plus a multiple of the bound, and the estimate is
+ * the smaller value of both fits. This fit too minimises the geometric mean of the estimates.
+ * Without scenes the shape is plain_shape. Errors: EHD_MEMORY. */
 ehd_status trade_indicator_shape(
     // output:
     indicator_shape *shape,

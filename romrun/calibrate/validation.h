@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Solves scenes with the full model and measures the errors of the sizes of a reduced model on
- * them (README.md, Calibration and the accuracy dial).
+/* Solves scenes with the full model, and measures on these scenes the errors of all sizes of a
+ * reduced model (README.md, Calibration and the accuracy dial).
  * Called by calibrate.c, and by deimselect/checked_model.c. */
 #ifndef EHD_VALIDATION_H
 #define EHD_VALIDATION_H
@@ -24,8 +24,9 @@ typedef struct validation {
 void validation_free(validation *self);
 
 /* Solves the points and trajectories of the set with the full model. `name`: name of the set, for
- * messages. EHD_NOT_CONVERGED: the full model solved none. EHD_DATA: there are only trajectories,
- * and none stays inside of the trained range. EHD_INTERRUPTED, with a text. */
+ * messages. EHD_NOT_CONVERGED: the full model solved none of them. EHD_DATA: there are only
+ * trajectories, and none of them stays inside of the trained range. EHD_INTERRUPTED: with a
+ * text. */
 ehd_status validation_solve(
     // in and out:
     validation *self, // all zero except `set`
@@ -33,15 +34,15 @@ ehd_status validation_solve(
     const trained_range *range, const program *caller, const char *name, size_t num_workers,
     ehd_error *error);
 
-/* Measures each model size of the ladder. EHD_INTERRUPTED, with a text. */
+/* Measures each model size that trade_ladder lists. EHD_INTERRUPTED: with a text. */
 ehd_status validation_measure(
     // output:
     trade_table *table, // free with trade_free
     // input:
     const validation *scenes, const program *caller, const char *model_path, ehd_error *error);
 
-/* Finds a scene that the whole model does not solve, or else the scene where this model has its
- * largest film error. *worst is NULL if there are no scenes. */
+/* Finds the worst scene: a scene that the whole model does not solve or, if there is none, the
+ * scene with the largest film error of the whole model. *worst is NULL if there are no scenes. */
 ehd_status validation_worst(const ehd_contact **worst, const validation *scenes,
                             const char *model_path, ehd_error *error);
 

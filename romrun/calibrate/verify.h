@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* romrun --verify: evaluates the residual of the full model at a reduced solution, and one Newton
- * step of the full model (fullrun/README.md, Newton). Called by romrun/main.c. */
+/* romrun --verify: evaluates the residual of the full model at a reduced solution, and makes one
+ * Newton step of the full model (fullrun/README.md, Newton). Called by romrun/main.c. */
 #ifndef EHD_VERIFY_H
 #define EHD_VERIFY_H
 
@@ -12,13 +12,14 @@ typedef struct verification {
     double tolerance;        // tolerance of fullrun
     double residual_seconds; // time for the residual, O(n log n)
     // Relative change of the central film by one Newton step of the full model at a fixed exit. To
-    // first order it is the negative of the film's relative error. NaN: no step was possible.
+    // first order this change is minus the relative error of the film. NaN: no step was possible.
     double film_change;
     double step_seconds;
 } verification;
 
-/* Verifies the last solution of `solver`, which is the `result` of the stationary `contact`.
- * Changes none of these objects. Errors of online_fields and full_solve. */
+/* Verifies the last solution of `solver`. `result` is this solution, and `contact` its stationary
+ * contact. The function changes none of these objects. Errors: those of online_fields and
+ * full_solve. */
 ehd_status verify(verification *outcome, online_solver *solver, const online_result *result,
                   const ehd_contact *contact, ehd_error *error);
 

@@ -9,8 +9,8 @@
 
 const char fmu_identifier[] = "ehdrom_contact";
 
-// oldest glibc that has all symbols of the shared object: hypot (2.35); with newer headers fmod and
-// strtoull (2.38)
+// oldest glibc that has all functions of the shared object: 2.35 because of hypot; if built with
+// headers of 2.38 or newer, 2.38 because of fmod and strtoull
 #if __GLIBC_PREREQ(2, 38)
 #define NEEDED_GLIBC "2.38"
 #else
@@ -99,7 +99,7 @@ static const char *variability(const fmu_variable *variable) {
     return variable->type == FMU_REAL ? "continuous" : "discrete";
 }
 
-/* Writes those attributes of a variable that both versions of FMI have. */
+/* Writes the attributes of a variable that both versions of FMI have. */
 static void put_common(FILE *file, size_t reference) {
     const fmu_variable *variable = &fmu_variables[reference];
 
@@ -136,8 +136,8 @@ static void put_variables(FILE *file, const fmu_contents *contents, int fmi) {
     fputs("  </ModelVariables>\n", file);
 }
 
-/* Lists all outputs. The default dependencies hold: each output depends on all inputs and on the
- * past. */
+/* Lists all outputs. The list names no dependencies, so the default holds: each output depends on
+ * all inputs and on the past. */
 static void put_outputs(FILE *file, const fmu_contents *contents, int fmi, const char *element) {
     size_t index = 0; // index among all variables, from 1
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Describes an FMU: modelDescription.xml of both versions of the standard, and a page for
- * people. */
+/* Describes an FMU: modelDescription.xml of both versions of the standard, and an HTML page for the
+ * user. */
 #ifndef EHD_FMU_DESCRIPTION_H
 #define EHD_FMU_DESCRIPTION_H
 
@@ -17,7 +17,7 @@ extern const char fmu_identifier[]; // name of the shared object
 
 /* Writes modelDescription.xml. `fmi`: 2 or 3. */
 void fmu_describe(FILE *file, const fmu_description *of, int fmi);
-/* Writes the page, in HTML. */
+/* Writes the HTML page. */
 void fmu_document(FILE *file, const fmu_description *of);
 
 #endif

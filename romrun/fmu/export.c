@@ -68,8 +68,8 @@ static ehd_status path_in(char path[PATH_MAX], const char *folder, const char *n
 
 // ---- resources
 
-/* Replaces the speeds of both surfaces by their mean and slide_roll. The inputs start from these
- * values. */
+/* Replaces the speeds of both surfaces by their mean and slide_roll. The start values of the inputs
+ * follow from these values. */
 static scene with_mean_speed(const scene *given) {
     scene own = *given;
 
@@ -89,7 +89,7 @@ static void strip(scene *settings, const scene *given) {
              strcmp(row->key, "transient.smoothing") != 0))
             setting_clear(row, settings);
     if (strcmp(settings->regime, "transient") == 0)
-        scene_set(settings, "transient.end_time", "1", NULL, NULL); // a transient scene needs it
+        scene_set(settings, "transient.end_time", "1", NULL, NULL); // required if transient
 }
 
 static ehd_status open_to_write(FILE **file, const export_job *job, const char *name,
@@ -271,7 +271,8 @@ static void keep_failure(void *to, fmu_outcome of, const char *text) {
     if (of != FMU_DONE) ehd_fail(to, EHD_INTERNAL, "fmu: %s", text);
 }
 
-/* Takes one step with the FMU, as an importer does. Reads the files that were just written. */
+/* Takes one step with the FMU, as an importer does. The FMU reads the files that were just
+ * written. */
 static ehd_status try_out(const export_job *job, ehd_error *error) {
     ehd_no_memory(error, "fmu");
     errno = 0;
@@ -334,7 +335,7 @@ static ehd_status add_licences(export_job *job, ehd_error *error) {
     return status;
 }
 
-/* Reads SOURCE_DATE_EPOCH; 0: not set. */
+/* Reads the environment variable SOURCE_DATE_EPOCH. Sets *when to 0 if the variable is not set. */
 static ehd_status source_date_epoch(time_t *when, ehd_error *error) {
     const char *text = getenv("SOURCE_DATE_EPOCH");
     size_t seconds = 0;

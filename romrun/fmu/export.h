@@ -9,7 +9,7 @@
 
 typedef struct fmu_request {
     const char *model;       // path of the model
-    const part_sizes *sizes; // sizes of the model; 0: all
+    const part_sizes *sizes; // sizes of the model; 0: all modes or rows
     const scene *given;
     double accuracy; // a result with a larger error estimate is not trusted
     int fmi;         // version of FMI, 2 or 3

@@ -109,7 +109,7 @@ void fmi2FreeInstance(fmi2Component c) {
 
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t num_categories,
                                const fmi2String categories[]) {
-    (void)num_categories; // errors are always logged
+    (void)num_categories; // the categories have no effect; errors are always logged
     (void)categories;
     fmu_set_verbose(contact_of(c), on != fmi2False);
     return fmi2OK;

@@ -76,7 +76,7 @@ void fmi3FreeInstance(fmi3Instance instance) {
 
 fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t num_categories,
                                const fmi3String categories[]) {
-    (void)num_categories; // errors are always logged
+    (void)num_categories; // the categories have no effect; errors are always logged
     (void)categories;
     fmu_set_verbose(contact_of(instance), on);
     return fmi3OK;

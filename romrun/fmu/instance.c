@@ -31,8 +31,9 @@ typedef struct moment {
     double time, stop;
     double values[FMU_NUM_VARIABLES];
     bool solved;      // during initialization: the outputs belong to the present inputs
-    double pending;   // s, length of a step that the contact has taken but not accepted; 0: none
-    double last;      // s, length of the last internal step; 0: none
+    double pending;   // s, length of a step that the contact has taken but not accepted; 0: there
+                      // is no such step
+    double last;      // s, length of the last internal step; 0: no step was taken yet
     double noise;     // magnitude of recent local errors that were accepted as noise
     bool noisy;       // the noise has been logged
     conditions held;  // conditions of the contact's last accepted state
@@ -49,7 +50,8 @@ struct fmu_instance {
     char *resources; // folder of the resources
     ehdrom_model *model;
     ehdrom_contact *contact;
-    ehdrom_contact *stationary; // contact for the stationary outputs; NULL: not read yet
+    ehdrom_contact *stationary; // contact for the stationary outputs; NULL: no stationary output
+                                // was read yet
     bool has_stationary;        // the stationary outputs are up to date
     bool slid;                  // the traction belongs to the present outputs
     void *before;               // saved state before a step
@@ -355,8 +357,8 @@ static bool set_stationary(fmu_instance *self, const conditions *at, double forc
     return status ? fail(self, "%s", ehdrom_contact_error(contact)) : true;
 }
 
-/* Computes the stationary outputs. They are NaN if the surfaces rest, without a force, or without a
- * solution. */
+/* Computes the stationary outputs. They are NaN if the mean speed or the force is not above zero,
+ * or if there is no solution. */
 static bool respond(fmu_instance *self, const conditions *at, double force,
                     double values[FMU_NUM_VARIABLES]) {
     ehdrom_result result = EHDROM_RESULT_INIT;
@@ -467,16 +469,16 @@ static bool accept(fmu_instance *self) {
     return true;
 }
 
-/* Largest number of halvings of a step that does not converge: to a millionth of the communication
- * step. After these halvings the communication step is discarded (fmu.bats, "a step that cannot be
+/* Largest number of halvings of a step that does not converge. The step is then a millionth of the
+ * communication step, and the communication step is discarded (fmu.bats, "a step that cannot be
  * done changes nothing"). */
 enum { MOST_HALVINGS = 20 };
 
 /* A communication step is discarded if it hardly proceeds. This is checked after every
- * WATCHED_ATTEMPTS attempts: at the rate of these attempts, the rest of the step may take at most
- * MOST_ATTEMPTS. Without this check one step of fmu.bats, "a step that cannot be done changes
- * nothing", took more than 17 minutes. The given load changed to a value that no contact can have.
- * Steps of a millionth may converge even then. */
+ * WATCHED_ATTEMPTS attempts. At the rate of these attempts, the rest of the step must not take more
+ * than MOST_ATTEMPTS attempts. Without this check one step of fmu.bats, "a step that cannot be done
+ * changes nothing", took more than 17 minutes. In this test the given load changes to a value that
+ * no contact can have, but steps of a millionth may still converge. */
 enum { WATCHED_ATTEMPTS = 100, MOST_ATTEMPTS = 100000 };
 
 /* Largest number of halvings of a step whose local error is too large. After these halvings the
@@ -486,8 +488,8 @@ enum { WATCHED_ATTEMPTS = 100, MOST_ATTEMPTS = 100000 };
  * film. */
 enum { MOST_FOR_ERROR = 10 };
 
-// factor on the noise level from step to step, as NOISE_KEPT in march.c (fmu.bats, "a tolerance
-// below the solver's noise is no error")
+// Factor by which the accepted noise falls from one step to the next, as NOISE_KEPT in march.c
+// (fmu.bats, "a tolerance below the solver's noise is no error")
 static const double NOISE_KEPT = 0.9;
 
 /* A communication step. It is divided into fractions that are powers of 1/2, so that their sum is
@@ -497,7 +499,7 @@ typedef struct stretch {
     conditions from, to; // inputs at its beginning and end
     double done, part;   // fractions of the communication step: finished, and in the next attempt
     size_t steps, attempts;
-    double mark; // `done` when the last WATCHED_ATTEMPTS began
+    double mark; // value of `done` when the present WATCHED_ATTEMPTS attempts began
     // about the attempts after `done`:
     int halvings;
     double error; // local error of the last attempt, which was twice as long; 0: no attempt, or not
@@ -521,7 +523,7 @@ static fmu_outcome halve(stretch *of) {
 static bool is_noise(fmu_instance *self, stretch *of, double error, double accuracy) {
     moment *now = &self->now;
 
-    // after a kink of the inputs, half of a step has half of the error; such an error is no noise
+    // after a kink of the inputs, halving a step halves its error, so such an error is not noise
     of->idle = of->error > 0 && error > 0.75 * of->error ? of->idle + 1 : 0;
     of->error = error;
     if (of->idle < 2 && of->part > ldexp(1, -MOST_FOR_ERROR)) return false;
@@ -556,7 +558,7 @@ static fmu_outcome go_on(fmu_instance *self, stretch *of, ehdrom_result *result)
     const ehdrom_status status = ehdrom_step(self->contact, &whole, of->step * of->part, result);
 
     if (EHDROM_FAILED(status)) {
-        // discards the step, since the importer may try other inputs
+        // inputs that are refused discard the step, since the importer may try other inputs
         const fmu_outcome outcome = status == EHDROM_DATA ? FMU_DISCARDED : FMU_FAILED;
         say(self, outcome, "step to %g s: %s", now->time + of->step,
             ehdrom_contact_error(self->contact));
@@ -654,10 +656,11 @@ double fmu_time(const fmu_instance *self) {
 
 // ---- derivatives
 
-/* Relative change of the inputs for central differences: see README.md. */
+/* Relative change of the inputs for central differences (README.md, Directional derivatives). */
 static const double relative_change = 1e-3;
 
-/* Returns the scale of an input, to which its change is proportional. */
+/* Returns the scale of an input. In a central difference the change of the input is proportional to
+ * this scale. */
 static double scale_of(const fmu_instance *self, unsigned reference) {
     const double *values = self->now.values;
 
@@ -667,8 +670,8 @@ static double scale_of(const fmu_instance *self, unsigned reference) {
     return fabs(values[reference]);
 }
 
-/* Returns the length of a difference, in units of the direction. 0: the direction is zero; -1: an
- * input that should change has no scale. */
+/* Returns the change of the inputs on each side of a central difference, as a multiple of the
+ * direction. 0: the direction is zero; -1: an input that should change has no scale. */
 static double reach(const fmu_instance *self, const unsigned knowns[], size_t num_knowns,
                     const double direction[]) {
     double most = 0;
@@ -696,7 +699,7 @@ static conditions rate_of(const fmu_instance *self, const unsigned knowns[], siz
     return conditions_of(rates, self->contents.approach_given);
 }
 
-/* Computes the real outputs for inputs changed by `length` times the direction. */
+/* Computes the outputs for the inputs plus `length` times the direction. */
 static bool outputs_at(fmu_instance *self, double outputs[FMU_NUM_VARIABLES],
                        const unsigned knowns[], size_t num_knowns, const double direction[],
                        double length, bool stationary, bool friction) {
@@ -714,8 +717,8 @@ static bool outputs_at(fmu_instance *self, double outputs[FMU_NUM_VARIABLES],
            (!stationary || respond(self, &at, result.load, outputs));
 }
 
-/* Fills in the derivatives that are NaN, by central differences: it repeats the last step (or the
- * start). */
+/* Computes the derivatives that are NaN by central differences, for which it repeats the last step
+ * (or the start) with other inputs. */
 static bool by_differences(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                            const unsigned knowns[], size_t num_knowns, const double direction[],
                            double derivative[]) {
@@ -818,7 +821,8 @@ size_t fmu_state_size(const void *state) {
     return state ? ((const fmu_state *)state)->size : 0;
 }
 
-/* Allocates `*state` for `size` bytes, unless it has this size. NULL: no memory. */
+/* Allocates `*state` for `size` bytes, unless it has this size. Returns NULL if there is no
+ * memory. */
 static fmu_state *make_state(fmu_instance *self, void **state, size_t size) {
     if (fmu_state_size(*state) != size || !*state) {
         fmu_state *made = realloc(*state, sizeof *made + size);
@@ -843,8 +847,8 @@ bool fmu_state_get(fmu_instance *self, void **state) {
     return count == 0 || took(self, ehdrom_state_save(self->contact, numbers_of(made), count));
 }
 
-/* Checks bytes from outside: they must belong to this FMU, and contain numbers of a contact only if
- * their mode has a contact. */
+/* Checks bytes that the importer supplies. They must belong to this FMU, and contain numbers of a
+ * contact exactly if the state's mode has a contact. */
 static bool check_state(const fmu_instance *self, const void *bytes, size_t size) {
     moment of;
 
@@ -877,7 +881,8 @@ bool fmu_state_set(fmu_instance *self, void *state) {
     memcpy(&self->now, saved->bytes, sizeof self->now);
     if (has_contact(&self->now)) return restore(self, saved);
     self->has_stationary = self->slid = false;
-    self->now.solved = false; // the contact may now be at another time
+    self->now.solved = false; // the contact may be at another time, so the outputs must be computed
+                              // again
     return true;
 }
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The contact of an FMU, for both versions of the standard. It uses the library through ehdrom.h
- * alone.
+/* The contact of an FMU, for both versions of the standard. It uses the library only through
+ * ehdrom.h.
  *
  * A communication step is one step of BDF2 (the first one of BDF1). The inputs that were set before
  * the step hold at its end. In three cases the step is divided into steps of a half, a quarter …,
- * with inputs in proportion: it does not converge, its local error exceeds step_accuracy, or it is
- * more than twice as long as the last step. A local error that shorter steps do not reduce is noise
- * of the solver; it is accepted. */
+ * with interpolated inputs: the step does not converge, its local error exceeds step_accuracy, or
+ * the step is more than twice as long as the last step. A local error that shorter steps do not
+ * reduce is noise of the solver and is accepted. */
 #ifndef EHD_FMU_INSTANCE_H
 #define EHD_FMU_INSTANCE_H
 
@@ -15,7 +15,7 @@
 /* Outcome of a call. */
 typedef enum fmu_outcome {
     FMU_DONE,
-    FMU_DISCARDED, // a step that does not converge at any length; the instance is unchanged
+    FMU_DISCARDED, // an input is refused, or a step does not converge; the instance is unchanged
     FMU_FAILED
 } fmu_outcome;
 
@@ -28,8 +28,9 @@ typedef void (*fmu_log)(void *to, fmu_outcome of, const char *text);
 
 typedef struct fmu_instance fmu_instance;
 
-/* Creates an instance; free with fmu_free. `resources`: the folder. Returns NULL, with a message in
- * the log: no memory, another token, or files that differ from the exported ones. */
+/* Creates an instance; free with fmu_free. `resources`: path of the folder of the resources.
+ * Returns NULL, with a message in the log, if there is no memory, if the token is another one, or
+ * if files differ from the exported files. */
 fmu_instance *fmu_create(const char *token, const char *resources, fmu_log log, void *log_to);
 /* Frees an instance. Accepts NULL. */
 void fmu_free(fmu_instance *self);
@@ -38,10 +39,11 @@ void fmu_set_verbose(fmu_instance *self, bool verbose);
 
 /* All other functions return true on success; otherwise the log has the reason. */
 
-/* Refuses a call that this FMU does not offer. */
+/* Refuses a call of a function that this FMU does not offer. Returns false. */
 bool fmu_refuse(fmu_instance *self, const char *function);
 
-/* Sets start, end and tolerance of the simulation. `stop` INFINITY: no end; `tolerance` 0: none. */
+/* Sets start, end and tolerance of the simulation. If `stop` is INFINITY, the simulation has no
+ * fixed end. If `tolerance` is 0, the importer gives no tolerance. */
 bool fmu_setup(fmu_instance *self, double start, double stop, double tolerance);
 bool fmu_enter_initialization(fmu_instance *self);
 bool fmu_exit_initialization(fmu_instance *self);
@@ -57,22 +59,24 @@ fmu_outcome fmu_step(fmu_instance *self, double time, double step);
 double fmu_time(const fmu_instance *self);
 
 /* Computes derivative[k] = sum over i of direction[i] d unknowns[k] / d knowns[i], of outputs by
- * inputs. The derivatives are those at the end of the last internal step or, at the start, of the
- * stationary contact. They come from the library's tangent. Outputs without a tangent get central
- * differences, which take three more steps for all of them together. */
+ * inputs. At the start these are derivatives of the stationary contact, later derivatives at the
+ * end of the last internal step. The library's tangent computes them. Outputs without a tangent get
+ * central differences, which take three more steps for all of these outputs together. */
 bool fmu_derivative(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                     const unsigned knowns[], size_t num_knowns, const double direction[],
                     double derivative[]);
 
 /* Saves the state as a block of bytes, which this FMU can restore in any process. If *state is
- * NULL, it is allocated; otherwise it is overwritten. free() it. */
+ * NULL, allocates the block; otherwise overwrites the block. The caller frees the block with
+ * free(). */
 bool fmu_state_get(fmu_instance *self, void **state);
 bool fmu_state_set(fmu_instance *self, void *state);
 /* Returns the number of the state's bytes; 0: no state. */
 size_t fmu_state_size(const void *state);
 /* Copies the state's bytes to `bytes`, which holds `size` bytes. */
 bool fmu_state_write(fmu_instance *self, const void *state, void *bytes, size_t size);
-/* Makes a state from bytes of fmu_state_write and checks it; *state as for fmu_state_get. */
+/* Makes a state from bytes of fmu_state_write and checks the state. *state: as for
+ * fmu_state_get. */
 bool fmu_state_read(fmu_instance *self, void **state, const void *bytes, size_t size);
 
 #endif

@@ -10,14 +10,14 @@
 
 typedef struct package_entry {
     const char *name;  // name in the zip
-    const void *bytes; // content; NULL: the file `path`
+    const void *bytes; // content; NULL: the content is the file `path`
     size_t size;
-    const char *path; // file to pack; NULL: `bytes`
+    const char *path; // file with the content; NULL: the content is `bytes`
 } package_entry;
 
-/* Writes PATH.partial and renames it. The entries are sorted by name and all have the time `when`
- * (UTC; 0: 1980, the earliest time in zips). EHD_CANTCREATE: PATH exists without `force`, or cannot
- * be created; EHD_NOINPUT, EHD_IO: the file of an entry; EHD_MEMORY. */
+/* Writes the zip to PATH.partial and renames this file to PATH. The entries are sorted by name and
+ * all have the time `when` (UTC; 0: 1980, the earliest time in zips). EHD_CANTCREATE: PATH exists
+ * without `force`, or cannot be created; EHD_NOINPUT, EHD_IO: the file of an entry; EHD_MEMORY. */
 ehd_status package_write(const char *path, package_entry *entries, size_t num_entries, time_t when,
                          bool force, ehd_error *error);
 

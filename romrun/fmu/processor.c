@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The shared object of FMUs contains the library twice: for any x86-64 and for x86-64-v3 (AVX2,
- * FMA; since 2013). The dynamic linker chooses one when it loads the object. No other object has
- * this file. */
+/* Chooses between two builds of the library. The shared object of FMUs contains the library for any
+ * x86-64 processor and for x86-64-v3 (AVX2, FMA; since 2013). The dynamic linker chooses one of
+ * them when it loads the object. Only the shared object of FMUs contains this file. */
 #include "romrun/library/ehdrom.h"
 
 // clang, used for static analysis, does not have the name x86-64-v3

@@ -98,7 +98,7 @@ bool fmu_variable_fits(const fmu_variable *variable, const fmu_contents *content
            (variable->when == FMU_APPROACH_GIVEN) == contents->approach_given;
 }
 
-// ---- resources/contact.txt: name and value, one line each
+// ---- resources/contact.txt: one line for each name and its value
 
 static const char heading[] = "ehdrom-fmu 3";
 
@@ -167,7 +167,7 @@ static bool read_contents(fmu_contents *contents, FILE *file) {
 }
 
 bool fmu_contents_read(fmu_contents *contents, FILE *file) {
-    // numbers have a decimal point, whatever the importer's locale
+    // numbers have a decimal point, whatever the importer's locale is
     const locale_t before = uselocale(newlocale(LC_ALL_MASK, "C", (locale_t)0));
 
     *contents = (fmu_contents){0};

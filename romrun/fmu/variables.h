@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The variables of FMUs, one row each, and which of them an FMU has, with their start values. */
+/* The table of all variables of FMUs, and the variables that one FMU has, with their start
+ * values. */
 #ifndef EHD_FMU_VARIABLES_H
 #define EHD_FMU_VARIABLES_H
 
@@ -7,7 +8,8 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* Value references. Importers store them, so they never change, and new ones come at the end. */
+/* Value references. Importers store these numbers, so they never change. New numbers are added at
+ * the end. */
 enum {
     FMU_TIME,
     // conditions at the end of a step
@@ -49,7 +51,7 @@ enum {
     FMU_ROLLING_MOMENT,
     FMU_MEAN_STRESS,
     FMU_LARGEST_STRESS,
-    // like FMU_STIFFNESS
+    // computed like FMU_STIFFNESS
     FMU_INLET_HEATING,
     FMU_NUM_VARIABLES
 };
@@ -68,12 +70,15 @@ typedef struct fmu_variable {
     const char *name;
     fmu_role role;
     fmu_type type;
-    const char *unit, *unit_of_point; // for a line contact, and for a point contact; NULL: none
+    const char *unit, *unit_of_point; // units for a line contact and for a point contact; NULL: no
+                                      // unit
     fmu_when when;                    // which FMUs have the variable
-    const char *key;                  // setting that gives the start value; NULL: none
-    size_t offset;                    // offset of an output in ehdrom_result; 0: not a member
+    const char *key;                  // setting that gives the start value; NULL: no setting gives
+                                      // it
+    size_t offset;                    // offset of an output in ehdrom_result; 0: the variable is
+                                      // not a member of ehdrom_result
     size_t derivative;                // offset of the output's derivative in ehdrom_derivatives; 0:
-                                      // none
+                                      // there is no such derivative
     const char *help;
 } fmu_variable;
 
@@ -82,27 +87,28 @@ extern const fmu_variable fmu_variables[FMU_NUM_VARIABLES];
 /* The variables that an FMU has: the file resources/contact.txt. */
 enum { FMU_TOKEN = 40 };
 typedef struct fmu_contents {
-    char token[FMU_TOKEN]; // distinguishes this FMU from all others
+    char token[FMU_TOKEN]; // text that distinguishes this FMU from all others
     bool point;            // true: a point contact or an ellipse
     bool ellipse;
     bool approach_given; // false: the load is given
     bool slides;         // true: the scene has slide_roll or both speeds
-    double ratio;        // slide_roll if the sliding thins the film; NaN: the film does not depend
-                         // on the sliding
+    double ratio;        // slide_roll of the scene if the sliding thins the film; NaN: the film
+                         // does not depend on the sliding
     bool heated;         // true: the scene has the lubricant's thermal_conductivity
     bool has[FMU_NUM_VARIABLES];
     double start[FMU_NUM_VARIABLES]; // start values of inputs and parameters
 } fmu_contents;
 
-/* Checks whether an FMU with these contents has the variable. A variable with a key also needs this
- * setting in the scene. */
+/* Checks whether an FMU with these contents can have the variable. A variable with a key also needs
+ * this setting in the scene, which the caller checks. */
 bool fmu_variable_fits(const fmu_variable *variable, const fmu_contents *contents);
 
-/* Returns the contact's name in scenes. */
+/* Returns the name of the kind of contact in scenes. */
 const char *fmu_contact(const fmu_contents *contents);
 
 void fmu_contents_write(FILE *file, const fmu_contents *contents);
-/* Reads resources/contact.txt to its end. Returns false if it has another content. */
+/* Reads resources/contact.txt to its end. Returns false if the content is not that of such a
+ * file. */
 bool fmu_contents_read(fmu_contents *contents, FILE *file);
 
 #endif

@@ -189,7 +189,7 @@ ehdrom_status ehdrom_contact_set_units(ehdrom_contact *self, int units) {
     return EHDROM_OK;
 }
 
-/* Sets a tolerance or an accuracy. */
+/* Sets a tolerance or an accuracy. `infinite`: any value above 0 is allowed. */
 static ehdrom_status set_part(ehdrom_contact *self, double *member, const char *name, double value,
                               bool infinite) {
     const locale_t before = library_enter();
@@ -235,8 +235,8 @@ static void take_shape(scene *of, const ehdrom_contact *self) {
         of->ellipticity = online_grid(self->model->online)->shape.ellipticity;
 }
 
-/* Makes a scene of one regime from settings of any regime. It omits the settings for output. It
- * also omits the histories of the conditions, which the caller gives instead of the scene. */
+/* Makes a scene of one regime from settings of any regime. Omits the settings for output. Also
+ * omits the histories of the conditions, because the caller gives the conditions of each step. */
 static void take_regime(scene *of, const ehdrom_contact *self, bool in_time) {
     const online_properties properties = online_describe(self->model->online);
 
@@ -253,8 +253,8 @@ static void take_regime(scene *of, const ehdrom_contact *self, bool in_time) {
     take_shape(of, self);
     scene_set(of, "regime", in_time ? "transient" : "stationary", NULL, NULL);
     if (in_time) {
-        scene_set(of, "transient.end_time", "1", NULL, NULL); // a transient scene needs it
-        // the caller may give the approach in any step, whatever the scene's closure
+        scene_set(of, "transient.end_time", "1", NULL, NULL); // a transient scene needs an end
+        // the caller may give the approach in any step, whatever the scene's closure is
         if (isnan(of->approach_length)) of->approach_length = far_approach_length;
         if (!*of->transport) scene_set(of, "transport", properties.transport, NULL, NULL);
     } else {
@@ -309,7 +309,8 @@ ehdrom_status ehdrom_contact_scales(ehdrom_contact *self, ehdrom_scales *scales)
     const locale_t before = library_enter();
     const bool dimensionless = self->dimensionless;
     self->dimensionless = true; // allows a scene of M and L, which has no SI units
-    // scales are equal in both regimes, but scenes in time exclude the discretisation cross-flux
+    // the scales are equal in both regimes, but transient scenes cannot have the discretisation
+    // cross-flux
     const bool in_time = !online_check_in_time(self->model->online, NULL);
     status = library_contact(&contact, &units, self, in_time, &self->error);
     self->dimensionless = dimensionless;

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Derivatives of solutions and of steps. */
+/* Computes derivatives of solutions and of steps. */
 #include "romrun/library/internal.h"
 
 #include <math.h>
 
-/* Returns the contact of the last ehdrom_solve. The approach of a line contact is relative to a
- * point at approach_length or, without this setting, at the default for a given approach. If the
- * point lies at 1 half width, the derivative has no meaning. */
+/* Returns the contact of the last ehdrom_solve, with another reference point for the approach of a
+ * line contact. This point lies at approach_length or, without this setting, at the default for a
+ * given approach. With the point at 1 half width, which ehdrom_solve uses, the derivative has no
+ * meaning. */
 static ehd_contact contact_from_afar(const ehdrom_contact *self) {
     const double length = self->settings.approach_length;
     ehd_contact contact = self->solved;

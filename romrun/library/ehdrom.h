@@ -23,18 +23,21 @@
  * An open model does not change: any number of contacts in any number of threads may use it. A
  * contact is used by one thread at a time. Several threads may open models, but HDF5 files must
  * not be opened while the program itself is in HDF5 or in FFTW's planner. HDF5 is loaded when the
- * first HDF5 file is opened; libehdrom.so.0 then needs libehdrom-hdf5.so.0 beside it. Flat models
- * need neither. The library prints nothing, does not end the process, and does not change its
- * locale, its signals or its threads.
+ * first HDF5 file is opened; libehdrom.so.0 then needs the file libehdrom-hdf5.so.0 in the same
+ * folder. Flat models need neither HDF5 nor this file. The library prints nothing and does not end
+ * the process. It does not change the locale, the signals or the threads of the process.
  *
- * Functions return EHDROM_OK, an outcome or an error. ehdrom_model_error and ehdrom_contact_error
- * return a text: what was found and what was expected. With an outcome the result is filled in. If
- * it is EHDROM_NOT_CONVERGED, there is no solution. If it is EHDROM_UNTRUSTED, there is a
- * solution, and the text gives a reason not to rely on it. With an error (EHDROM_FAILED) the
- * result is unchanged.
+ * Functions return one of
+ *   - EHDROM_OK: success, and the result is filled in;
+ *   - EHDROM_NOT_CONVERGED: there is no solution. The result is filled in;
+ *   - EHDROM_UNTRUSTED: there is a solution, and the result is filled in. The error text gives a
+ *     reason not to rely on the solution;
+ *   - an error (EHDROM_FAILED): the result is unchanged.
+ * ehdrom_model_error and ehdrom_contact_error return the error text: what was found and what was
+ * expected.
  *
- * The interface grows by new functions, new settings, and new members at the end of structs. The
- * first member of a struct is its size in the caller's program. */
+ * Later versions may add functions, settings, and members at the end of structs. The first member
+ * of each struct is therefore the size of the struct in the caller's program. */
 #ifndef EHDROM_H
 #define EHDROM_H
 
@@ -76,23 +79,24 @@ enum {
 
 typedef struct ehdrom_model ehdrom_model;
 
-/* How much of a model to load. */
+/* The sizes and the data of a model that are loaded. */
 typedef struct ehdrom_model_options {
     size_t size;              /* sizeof(ehdrom_model_options) */
-    size_t pressure_modes;    /* number of modes, from the first one on; 0: all */
-    size_t deformation_modes; /* 0: all */
-    size_t rows;              /* 0: all */
-    int stationary;           /* 1: without the data for steps in time */
+    size_t pressure_modes;    /* number of pressure modes that are used, beginning with the first
+                               * mode; 0: all modes */
+    size_t deformation_modes; /* number of deformation modes; 0: all modes */
+    size_t rows;              /* number of rows; 0: all rows */
+    int stationary;           /* 1: the data for steps in time are not loaded */
 } ehdrom_model_options;
 #define EHDROM_MODEL_OPTIONS_INIT                                                                  \
     { sizeof(ehdrom_model_options), 0, 0, 0, 0 }
 
-/* Opens a model. `options` NULL: all of it. The file is one of
+/* Opens a model. `options` NULL: the whole model. The file is one of
  *   - a model in HDF5;
  *   - a flat model (romrun export), which opens in milliseconds and has the sizes with which it
- *     was exported; it must not be written into while it is open;
- *   - a list of models for parts of a region (schemas/models.md), whose name ends with .yml. It is
- *     loaded whole; sizes in `options` are EHDROM_DATA.
+ *     was exported; the file must not be changed while it is open;
+ *   - a list of models for parts of a region (schemas/models.md), whose name ends with .yml. All
+ *     modes and rows of these models are loaded; sizes in `options` give EHDROM_DATA.
  * Close *model in any case; after an error it holds the text for ehdrom_model_error. *model is
  * NULL if there is no memory for it, or if the processor lacks instructions that the library was
  * built with (EHDROM_INTERNAL). EHDROM_DATA: the file is no model, or it is in HDF5 and
@@ -136,39 +140,40 @@ EHDROM_API ehdrom_status ehdrom_model_describe(const ehdrom_model *model, ehdrom
 
 typedef struct ehdrom_contact ehdrom_contact;
 
-/* Creates a contact with no settings but the model's kind of contact and discretisation. For an
- * ellipse the model's ellipticity holds if neither "ellipticity" nor "physical.radius_across" is
- * set; another ellipticity is EHDROM_DATA. Free *contact in any case; after an error it holds the
- * text for ehdrom_contact_error. The model must outlive it. */
+/* Creates a contact. It has only the settings that are taken from the model: the kind of contact
+ * and the discretisation. For an ellipse the model's ellipticity holds if neither "ellipticity" nor
+ * "physical.radius_across" is set; another ellipticity gives EHDROM_DATA. Free *contact in any
+ * case; after an error it holds the text for ehdrom_contact_error. The model must outlive the
+ * contact. */
 EHDROM_API ehdrom_status ehdrom_contact_create(ehdrom_contact **contact, const ehdrom_model *model);
 /* Frees a contact. Accepts NULL. */
 EHDROM_API void ehdrom_contact_free(ehdrom_contact *contact);
-/* Returns the error text of the last call with this contact, or "". It stays until the next
- * call. */
+/* Returns the error text of the last call with this contact, or "". The text is valid until the
+ * next call. */
 EHDROM_API const char *ehdrom_contact_error(const ehdrom_contact *contact);
 
-/* Takes all settings from a scene file. Its histories, such as transient.load, have no effect: the
- * caller gives the conditions of each step to ehdrom_step. */
+/* Takes all settings from a scene file. Histories in the file, such as transient.load, have no
+ * effect: the caller gives the conditions of each step to ehdrom_step. */
 EHDROM_API ehdrom_status ehdrom_contact_read(ehdrom_contact *contact, const char *path);
 
 /* Sets a setting by its key in scenes ("lubricant.viscosity.law", "physical.load"; romrun --help
- * lists all). `value` is its text in scenes, independent of the locale; NULL unsets it. Settings
- * take effect with the next ehdrom_solve or ehdrom_start. */
+ * lists all). `value`: the text that the setting has in scenes, independent of the locale; NULL
+ * unsets the setting. Settings take effect with the next ehdrom_solve or ehdrom_start. */
 EHDROM_API ehdrom_status ehdrom_contact_set(ehdrom_contact *contact, const char *key,
                                             const char *value);
 EHDROM_API ehdrom_status ehdrom_contact_set_number(ehdrom_contact *contact, const char *key,
                                                    double value);
-/* Writes the text of a setting to `text`; numbers have all digits. Writes "" if it is not set.
- * Defaults that depend on other settings are not filled in. EHDROM_DATA: no such key, or the text
- * does not fit into `size` characters. */
+/* Writes the text of a setting to `text`; numbers have all digits. Writes "" if the setting is not
+ * set. Defaults that depend on other settings are not filled in. EHDROM_DATA: no such key, or the
+ * text does not fit into `size` characters. */
 EHDROM_API ehdrom_status ehdrom_contact_get(ehdrom_contact *contact, const char *key, char *text,
                                             size_t size);
 
 enum {
     EHDROM_SI = 0,
     /* Quantities are divided by scales: film and approach by a^2/R, pressure by p_H, length by a,
-     * load by the load in the settings, time by a/u, conditions by their settings. A scene of
-     * moes.M and moes.L has only these units. */
+     * load by the load in the settings, time by a/u, and speed, radius and modulus by their values
+     * in the settings. If a scene gives moes.M and moes.L, it has only these units. */
     EHDROM_DIMENSIONLESS = 1
 };
 EHDROM_API ehdrom_status ehdrom_contact_set_units(ehdrom_contact *contact, int units);
@@ -176,20 +181,20 @@ EHDROM_API ehdrom_status ehdrom_contact_set_units(ehdrom_contact *contact, int u
 /* Sets the accuracy; default 0.01. A result whose error estimate is larger is EHDROM_UNTRUSTED.
  * With INFINITY neither an error estimate nor a model that was never checked makes a result
  * untrusted. Results outside of the training, and steps of a contact that changes faster than any
- * in training, are untrusted in any case. */
+ * contact in training, are untrusted in any case. */
 EHDROM_API ehdrom_status ehdrom_contact_set_accuracy(ehdrom_contact *contact, double accuracy);
 
-/* Sets the tolerance of ehdrom_solve; default 1e-8. The iteration ends when the next one is
+/* Sets the tolerance of ehdrom_solve; default 1e-8. The iteration ends when the next iteration is
  * expected to change the central film by less than this fraction. */
 EHDROM_API ehdrom_status ehdrom_contact_set_tolerance(ehdrom_contact *contact, double tolerance);
 /* Sets the relative error of the central film that all steps together may cause. The tolerance of a
- * step's iterations is a tenth of the step's share of this error. By default this tolerance is that
- * of ehdrom_solve. */
+ * step's iterations is a tenth of the step's share of this error. By default the tolerance of the
+ * iterations is that of ehdrom_solve. */
 EHDROM_API ehdrom_status ehdrom_contact_set_step_tolerance(ehdrom_contact *contact,
                                                            double tolerance);
 
-/* Scales of the contact's dimensionless quantities, SI. All but M and L are NaN if the scene gives
- * M and L. */
+/* Scales of the contact's dimensionless quantities, SI. If the scene gives M and L, all other
+ * members are NaN. */
 typedef struct ehdrom_scales {
     size_t size;              /* sizeof(ehdrom_scales) */
     double half_width;        /* a, m */
@@ -213,9 +218,9 @@ typedef struct ehdrom_result {
     int trusted;          /* 1 with EHDROM_OK */
     double time;          /* s; 0 for a stationary solution */
     double load;          /* N/m or N, force between the bodies */
-    /* m, H0 a^2/R: distance of the undeformed bodies from touching. For a line contact it is
-     * relative to a point: at 1 half width in ehdrom_solve, at approach_length half widths (10
-     * unless set) in time. */
+    /* m, H0 a^2/R: distance of the undeformed bodies from touching. For a line contact the approach
+     * is relative to a point. The point lies at 1 half width for ehdrom_solve, and at
+     * approach_length half widths (10 unless set) in time. */
     double approach;
     double central_film_thickness; /* m */
     double minimum_film_thickness; /* m */
@@ -226,15 +231,15 @@ typedef struct ehdrom_result {
     /* Relative error estimates of central and minimum film, against the full model with the same
      * grid and steps; NaN: the model was not checked for this regime. */
     double indicated_deviation, indicated_deviation_minimum;
-    /* Local error of this step, relative to the central film; 0: not known yet. With transport
-     * along the path, the value of a step shorter than the grid's step is this step's share of the
-     * error of a longer step. */
+    /* Local error of this step, relative to the central film; 0: the error is not known yet. With
+     * transport along the path, the value of a step shorter than the grid's step is this step's
+     * share of the error of a longer step. */
     double local_error;
     double residual; /* of the reduced equations */
     size_t iterations;
     /* Factor by which shear heating of the inlet thins the films, which are isothermal here.
-     * ehdrom_solve sets it if lubricant.thermal_conductivity is set. NaN: not known, in time, or
-     * outside of the formula's range. */
+     * ehdrom_solve sets it if lubricant.thermal_conductivity is set. NaN: the factor is not known,
+     * the result is a step in time, or the contact lies outside of the formula's range. */
     double inlet_heating_factor;
 } ehdrom_result;
 #define EHDROM_RESULT_INIT                                                                         \
@@ -259,10 +264,10 @@ EHDROM_API ehdrom_status ehdrom_solve(ehdrom_contact *contact, ehdrom_result *re
  *     }
  *
  * Steps use BDF2 and may have any lengths. The first step, and any step much longer than the
- * previous ones, use BDF1. The settings are the reference: a condition that is not given keeps the
+ * previous steps, use BDF1. The settings are the reference: a condition that is not given keeps the
  * value in the settings.
  *
- * The approach of a line contact is measured from approach_length half widths, 10 unless set. If
+ * The approach of a line contact is measured from approach_length half widths (10 unless set). If
  * the approach is given, approach_length must be at least half of the grid's length.
  *
  * If the approach is given, the bodies may separate: the load is then 0 and the film is the gap
@@ -294,19 +299,19 @@ typedef struct ehdrom_conditions {
  * the conditions of the settings. */
 EHDROM_API ehdrom_status ehdrom_start(ehdrom_contact *contact, const ehdrom_conditions *conditions,
                                       ehdrom_result *result);
-/* Computes the state `step` seconds after the last accepted one. EHDROM_NOT_CONVERGED: try a
+/* Computes the state `step` seconds after the last accepted state. EHDROM_NOT_CONVERGED: try a
  * shorter step. */
 EHDROM_API ehdrom_status ehdrom_step(ehdrom_contact *contact, const ehdrom_conditions *conditions,
                                      double step, ehdrom_result *result);
 /* Takes a step with each of `count` contacts, like ehdrom_step, one after the other in this thread.
  * The contacts may have different models. `conditions`, [count], NULL: the conditions of the
  * settings. Returns the largest status. Each result has its own status and each contact its error
- * text. After an error the other members of its result are unchanged. A contact that fails does not
- * affect the others. */
+ * text. If a step returns an error, the other members of its result are unchanged, and the other
+ * contacts are not affected. */
 EHDROM_API ehdrom_status ehdrom_step_many(ehdrom_contact *const *contacts,
                                           const ehdrom_conditions *conditions, double step,
                                           ehdrom_result *results, size_t count);
-/* Accepts the last step. EHDROM_INTERNAL: there is none, or it did not converge. */
+/* Accepts the last step. EHDROM_INTERNAL: there is no such step, or it did not converge. */
 EHDROM_API ehdrom_status ehdrom_accept(ehdrom_contact *contact);
 /* Makes the next step first order: it uses only the last accepted state. Call it after a jump of
  * the conditions. */
@@ -359,11 +364,12 @@ typedef struct ehdrom_derivatives {
  * it constant. The other quantity is an outcome. If neither bit is set, the quantity that was given
  * for the solution stays constant.
  *
- * For a solution the derivatives are those of stationary solutions. For a step they are the
- * tangent at its end: the change with the conditions at the end, from the same accepted state.
+ * After ehdrom_solve and ehdrom_start the derivatives are those of stationary solutions. After
+ * ehdrom_step they are the change of the result with the conditions at the end of the step, from
+ * the same accepted state.
  *
  * The derivatives follow from the Jacobian of the reduced equations. The first direction takes the
- * time of about two iterations, further directions half of that. The contact does not change.
+ * time of about two iterations, further directions half of this time. The contact does not change.
  * EHDROM_DATA: a direction that is not finite, both load and approach, or an approach of a line
  * contact that is measured from within the pressurised zone. EHDROM_INTERNAL: no solution, or a
  * start at rest. EHDROM_NOT_CONVERGED: a derivative is not finite. */
@@ -377,16 +383,16 @@ typedef struct ehdrom_response {
     size_t size;      /* sizeof(ehdrom_response) */
     double stiffness; /* -dF/dh, N/m^2 for a line contact, N/m for a point contact */
     double damping;   /* N s/m^2 or N s/m, by the squeeze term */
-    /* Unit as damping. Effect of a part of the squeeze term on the damping: the part that the modes
-     * do not contain. For ten models the error of the damping was 2 to 8 times this value. Modes of
-     * line contacts trained in time contain this part, modes of stationary solutions often do
-     * not. */
+    /* In the unit of the damping. Effect on the damping of the part of the squeeze term that the
+     * modes do not contain. For ten models the error of the damping was 2 to 8 times this value.
+     * Modes of line contacts trained in time contain this part. Modes of stationary solutions often
+     * do not contain it. */
     double damping_bound;
 } ehdrom_response;
 #define EHDROM_RESPONSE_INIT                                                                       \
     { sizeof(ehdrom_response), 0, 0, 0 }
 
-/* Computes the response of the last ehdrom_solve or ehdrom_start. Errors as ehdrom_differentiate,
+/* Computes the response of the last ehdrom_solve or ehdrom_start. Errors: as ehdrom_differentiate,
  * and EHDROM_INTERNAL if a step came last. */
 EHDROM_API ehdrom_status ehdrom_respond(ehdrom_contact *contact, ehdrom_response *response);
 
@@ -396,50 +402,52 @@ EHDROM_API ehdrom_status ehdrom_respond(ehdrom_contact *contact, ehdrom_response
 typedef struct ehdrom_traction {
     size_t size;                 /* sizeof(ehdrom_traction) */
     double friction_coefficient; /* friction over load, with the sign of the sliding */
-    /* N/m or N, force by the sliding: on surface 2 along x, on surface 1 against x */
+    /* N/m or N, force that the sliding causes: on surface 2 along x, on surface 1 against x */
     double friction_force;
     double rolling_resistance;   /* N/m or N, acts on each surface against x */
     double rolling_moment;       /* N or N m, moment of the pressures against the rolling */
     double power_loss;           /* W/m or W, power that both surfaces put into the film */
     double mean_shear_stress;    /* Pa, mean magnitude over the dry contact */
     double largest_shear_stress; /* Pa, largest at the nodes that the model evaluates */
-    /* Relative error estimate of the friction force, against the full model. NAN: for a step, an
-     * unchecked model, or a model from before version 0.3.0. */
+    /* Relative error estimate of the friction force, against the full model. The value is NAN for a
+     * step, for an unchecked model, and for a model from before version 0.3.0. */
     double indicated_deviation_friction;
 } ehdrom_traction;
 #define EHDROM_TRACTION_INIT                                                                       \
     { sizeof(ehdrom_traction), 0, 0, 0, 0, 0, 0, 0, 0 }
 
 /* Computes the traction of surfaces that slide at u1 - u2 = `sliding`, m/s. NAN: the mean speed
- * times slide_roll, or times the ratio of both speeds in the settings. The settings for this
- * default and the law, lubricant.shear, are those with which the contact was last solved or
- * started. The sliding does not change the films, except with lubricant.shear.in_film. A model of
- * this version sums over few nodes; with other models the cost grows with the grid. EHDROM_DATA: a
- * scene of moes.M and moes.L, no sliding, or with in_film another sliding than the film's.
- * EHDROM_INTERNAL: no solution before. */
+ * times the slide-roll ratio of the settings (slide_roll, or the ratio from both speeds). This
+ * ratio and the law lubricant.shear are taken from the settings with which the contact was last
+ * solved or started. The sliding does not change the films, except with lubricant.shear.in_film. A
+ * model of this version computes the traction as a sum over few nodes; with other models the cost
+ * grows with the grid. Returns EHDROM_DATA if the scene is given by moes.M and moes.L, if no
+ * sliding is known, or if `sliding` differs from the sliding that has thinned the film
+ * (lubricant.shear.in_film). Returns EHDROM_INTERNAL if there is no solution yet. */
 EHDROM_API ehdrom_status ehdrom_slide(ehdrom_contact *contact, double sliding,
                                       ehdrom_traction *traction);
 
-/* Like ehdrom_slide, for the last ehdrom_step, which need not be accepted. It does not change the
- * following steps. EHDROM_DATA also for a model without nodes for traction. */
+/* Like ehdrom_slide, but for the state at the end of the last ehdrom_step. You may call it before
+ * you accept the step. The call does not change the following steps. Returns EHDROM_DATA also if
+ * the model has no nodes for traction. */
 EHDROM_API ehdrom_status ehdrom_slide_step(ehdrom_contact *contact, double sliding,
                                            ehdrom_traction *traction);
 
 /* ---- fields, of the last solution or the accepted state, whichever came last */
 
-/* Returns the numbers of the solution's nodes along and across. These numbers are those of
- * ehdrom_model_info, except after a solution with a list of models on different grids. Then they
- * belong to the model that has solved the contact, and the arrays below are filled with NaN behind
- * these nodes, up to the lengths of ehdrom_model_info. Either pointer may be NULL. */
+/* Returns the numbers of the solution's nodes along and across. Usually these are the numbers of
+ * ehdrom_model_info. After a solution with a list of models on different grids, they are the
+ * numbers of the model that has solved the contact. The arrays below then have NaN behind these
+ * nodes, up to the lengths of ehdrom_model_info. Either pointer may be NULL. */
 EHDROM_API ehdrom_status ehdrom_nodes(ehdrom_contact *contact, size_t *num_x, size_t *num_y);
-/* Returns the positions of the nodes, [num_x] and [num_y]. Either may be NULL. */
+/* Returns the positions of the nodes, [num_x] and [num_y]. Either array may be NULL. */
 EHDROM_API ehdrom_status ehdrom_axes(ehdrom_contact *contact, double *x, double *y);
-/* Returns pressure and film at all nodes, [num_y, num_x]. Either may be NULL. The cost grows with
- * the grid, as for ehdrom_shear_stresses. */
+/* Returns pressure and film at all nodes, [num_y, num_x]. Either array may be NULL. The cost grows
+ * with the grid, as for ehdrom_shear_stresses. */
 EHDROM_API ehdrom_status ehdrom_fields(ehdrom_contact *contact, double *pressure, double *film);
 /* Returns the stresses of the fluid on surface 1 and on surface 2 along x, Pa, at all nodes,
  * [num_y, num_x]: -tau - h/2 dp/dx and tau - h/2 dp/dx; 0 where the pressure is zero. `sliding`,
- * settings and errors as ehdrom_slide. Either may be NULL. */
+ * settings and errors: as ehdrom_slide. Either array may be NULL. */
 EHDROM_API ehdrom_status ehdrom_shear_stresses(ehdrom_contact *contact, double sliding,
                                                double *stress_1, double *stress_2);
 

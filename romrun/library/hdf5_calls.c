@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Replaces common/artefact and passes the calls on. One thread at a time makes calls
- * (library_lock). Before artefact_open has found the table, only artefact_visit, artefact_leave and
- * artefact_close may be called. */
+/* Replaces common/artefact in the library: each function calls the function of the same name in the
+ * table. Only one thread at a time may call these functions (library_lock). Before artefact_open
+ * has found the table, only artefact_visit, artefact_leave and artefact_close may be called. */
 #include "romrun/library/hdf5_calls.h"
 
-static const hdf5_calls *calls; // NULL: not needed yet, or missing
+static const hdf5_calls *calls; // NULL: the calls were not needed yet, or HDF5 is missing
 
 static ehd_status find_calls(const char *path, ehd_error *error) {
     return calls ? EHD_OK : hdf5_load(&calls, path, error);
 }
 
-/* Does not report a missing table: artefact_open, which comes next, does. */
+/* A missing table is not reported here, because artefact_open, which is called next, reports it. */
 artefact_guest artefact_visit(void) {
     const artefact_guest none = {0};
 

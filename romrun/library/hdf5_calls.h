@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* HDF5 separate from programs that open flat models only. The functions of common/artefact that
- * read model.h5 are a table, which is found when the first such file is opened (hdf5_calls.c).
- * libehdrom.so.0 takes it from libehdrom-hdf5.so.0 (hdf5_load.c, hdf5_plugin.c). FMUs have none
- * (romrun/fmu/no_hdf5.c). Programs and libehdrom.a call common/artefact directly. */
+/* Keeps HDF5 out of programs that open only flat models. A table points to the functions of
+ * common/artefact that read HDF5 models. The table is loaded when the first such model is opened
+ * (hdf5_calls.c). libehdrom.so.0 takes the table from libehdrom-hdf5.so.0 (hdf5_load.c,
+ * hdf5_plugin.c). FMUs have no table (romrun/fmu/no_hdf5.c). Programs and libehdrom.a call
+ * common/artefact directly. */
 #ifndef EHD_LIBRARY_HDF5_CALLS_H
 #define EHD_LIBRARY_HDF5_CALLS_H
 
@@ -33,8 +34,8 @@ typedef struct hdf5_calls {
 #define HDF5_PLUGIN "libehdrom-hdf5.so.0"
 #define HDF5_TABLE  "ehdrom_hdf5" // only name that the plug-in exports
 
-/* Finds the table; one thread at a time. EHD_DATA: there is none. `path`: the model, for the
- * message. */
+/* Finds the table. Only one thread at a time may call this function. EHD_DATA: there is no table.
+ * `path`: path of the model, for the message. */
 ehd_status hdf5_load(const hdf5_calls **calls, const char *path, ehd_error *error);
 
 #endif

@@ -9,7 +9,7 @@
 #include <locale.h>
 
 struct ehdrom_model {
-    online_model *online; // NULL: not opened
+    online_model *online; // NULL: no model is open
     bool in_time;
     ehd_error error;
 };
@@ -33,45 +33,47 @@ struct ehdrom_contact {
     scene complete[2];
     bool is_complete[2];
     bool dimensionless;
-    double accuracy, tolerance, step_tolerance; // NaN: not set
+    double accuracy, tolerance, step_tolerance; // NaN: the caller has not set this value
     last_call last;
     contact_scalars scalars; // scalars of the last solution or accepted state, to which the fields
-                             // belong; load NaN: not known
+                             // belong; load NaN: the scalars are not known
     contact_scalars stepped; // scalars of the step that may be accepted
     last_solved differentiable;
     // stationary
-    online_solver *solver; // NULL: not needed yet
+    online_solver *solver; // NULL: no stationary solution was needed yet
     ehd_contact solved;
     unit_factors solved_units;
-    // in time
-    online_transient *in_time; // NULL: not started
+    // transient
+    online_transient *in_time; // NULL: the contact was not started in time
     ehd_contact reference;
     unit_factors reference_units;
     bool is_reference; // true: the reference is the contact of the present settings
     bool by_approach;  // true: the approach was given for the last start or step
     bool started;      // true: there is an accepted state
     bool can_accept;   // true: there is a step after the accepted state
-    // for fields; NULL: not needed yet
+    // work arrays for the fields; NULL: no fields were needed yet
     double *pressure, *film; // [num_nodes] of the grid with the most nodes
     char deviation[MARCH_REASON];
     ehd_error error;
 };
 
-/* Begin and end each public function. They set the C locale in this thread, for reading and
- * printing, and restore the caller's locale. */
+/* Public functions that read or print numbers begin and end with these calls. library_enter sets
+ * the C locale in this thread, and library_leave restores the caller's locale. */
 locale_t library_enter(void);
 void library_leave(locale_t before);
 
-/* Begins a call and clears the error of the last one. EHD_INTERNAL: a contact without a model. */
+/* Begins a call and clears the error of the previous call. EHD_INTERNAL: a contact without a
+ * model. */
 ehd_status library_begin(ehdrom_contact *self);
 
-/* Copies the members that both structs contain. Keeps the target's first member, its size.
- * EHD_DATA: the target has no size; `what`: its name in the message. */
+/* Copies the members that both structs contain to the caller's struct. The first member of
+ * `target`, which is its size, stays the same. EHD_DATA: `target` has no size. `what`: name of the
+ * struct in the message. */
 ehd_status library_give(void *target, const void *source, size_t size, const char *what,
                         ehd_error *error);
 
-/* Makes the contact of the settings and its units: a stationary contact, or the reference in time.
- * EHD_DATA. */
+/* Makes the contact of the settings, and its units. `in_time`: the reference of steps in time,
+ * otherwise a stationary contact. EHD_DATA: the settings do not give such a contact. */
 ehd_status library_contact(ehd_contact *contact, unit_factors *units, ehdrom_contact *self,
                            bool in_time, ehd_error *error);
 
@@ -83,9 +85,9 @@ const ehd_grid *library_grid(const ehdrom_contact *self);
  * self->pressure and self->film. */
 ehd_status library_fields(ehdrom_contact *self);
 
-/* Writes a field [num_nodes], times its unit, at the nodes of the whole contact, [num_y, num_x] of
- * ehdrom_nodes. Fills the rest, up to the nodes of ehdrom_model_info, with NaN. `target` NULL: not
- * wanted. */
+/* Writes the values of a field, [num_nodes], times `unit`, at the nodes of the whole contact,
+ * [num_y, num_x] of ehdrom_nodes. Fills the rest of `target`, up to the nodes of ehdrom_model_info,
+ * with NaN. If `target` is NULL, writes nothing. */
 void library_give_field(double *target, const double *nodes, double unit,
                         const ehdrom_contact *self);
 
@@ -94,8 +96,8 @@ void library_give_field(double *target, const double *nodes, double unit,
 ehd_status library_conditions(online_conditions *own, const ehdrom_conditions *given,
                               const unit_factors *units, ehd_error *error);
 
-/* Enclose code that only one thread at a time may run: HDF5 and FFTW's planner. Afterwards HDF5 has
- * the caller's settings in the process again. */
+/* Enclose code that only one thread at a time may run: HDF5 and FFTW's planner. library_unlock
+ * restores the caller's settings of HDF5. */
 void library_lock(void);
 void library_unlock(void);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Models, and functions that all calls need. */
+/* Opens and describes models. Also has the functions that all calls of the library need. */
 #include "romrun/library/internal.h"
 
 #include "common/artefact/artefact.h"
@@ -62,7 +62,7 @@ ehd_status library_give(void *target, const void *source, size_t size, const cha
 
 // ---- models
 
-/* Copies the options that the caller's struct contains; the others are 0. */
+/* Copies the options that the caller's struct contains. The other options are 0. */
 static ehd_status take_options(ehdrom_model_options *own, const ehdrom_model_options *given,
                                ehd_error *error) {
     *own = (ehdrom_model_options)EHDROM_MODEL_OPTIONS_INIT;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Solutions, stationary and in time. */
+/* Computes stationary solutions and steps in time, and returns their fields. */
 #include "romrun/library/internal.h"
 
 #include "common/output/grid_file.h"
@@ -24,8 +24,8 @@ static void judge(ehdrom_contact *self, ehdrom_result *result, const char **reas
     if (*reason) result->status = EHDROM_UNTRUSTED;
 }
 
-/* Fills in scalars in the caller's units. `width`: half width of the contact divided by the
- * reference's. */
+/* Fills in scalars in the caller's units. `width`: half width of the contact divided by the half
+ * width of the reference. */
 static void fill(ehdrom_result *result, const contact_scalars *scalars, double peak, double width,
                  const unit_factors *units) {
     result->load = scalars->load * units->load;
@@ -55,8 +55,8 @@ static ehd_status give(ehdrom_contact *self, ehdrom_result *target, ehdrom_resul
 
 // ---- stationary
 
-/* Sets EHD_UNTRUSTED, as romrun does, if the training's grid is too coarse to estimate the error by
- * the grid. */
+/* Sets EHD_UNTRUSTED, as romrun does, if the training's grid is too coarse to estimate the error
+ * that the grid causes. */
 static void judge_grid(online_result *found, const ehdrom_contact *self) {
     if (found->status) return;
     const film_effects effects = online_effects(self->model->online, &self->solved);
@@ -105,7 +105,7 @@ ehdrom_status ehdrom_solve(ehdrom_contact *self, ehdrom_result *result) {
     return (ehdrom_status)status;
 }
 
-// ---- in time
+// ---- steps in time
 
 /* Discards the accepted state. */
 static void forget_time(ehdrom_contact *self) {
@@ -114,7 +114,7 @@ static void forget_time(ehdrom_contact *self) {
     self->started = self->can_accept = false;
 }
 
-/* Makes the present settings the reference. */
+/* Makes the contact of the present settings the reference of the steps in time. */
 static ehd_status take_reference(ehdrom_contact *self) {
     ehd_error *error = &self->error;
     ehd_status status = online_check_in_time(self->model->online, error);
@@ -250,7 +250,7 @@ ehdrom_status ehdrom_start(ehdrom_contact *self, const ehdrom_conditions *condit
     return (ehdrom_status)status;
 }
 
-/* Begins a call that needs an accepted state. EHD_INTERNAL: there is none. */
+/* Begins a call that needs an accepted state. EHD_INTERNAL: there is no accepted state. */
 static ehd_status begin_in_time(ehdrom_contact *self, const char *what) {
     const ehd_status status = library_begin(self);
 
@@ -291,8 +291,8 @@ ehdrom_status ehdrom_step(ehdrom_contact *self, const ehdrom_conditions *conditi
     return (ehdrom_status)status;
 }
 
-/* The size of the caller's structs may differ from the library's, so the arrays are indexed with
- * the caller's size. */
+/* The size of the caller's structs may differ from the size of the library's structs, so the arrays
+ * are indexed with the caller's size. */
 ehdrom_status ehdrom_step_many(ehdrom_contact *const *contacts, const ehdrom_conditions *conditions,
                                double step, ehdrom_result *results, size_t count) {
     const char *given = (const char *)conditions;
@@ -338,7 +338,7 @@ ehdrom_status ehdrom_restart(ehdrom_contact *self) {
 /* Numbers that begin a saved state; they identify its model and settings. */
 enum { SAVED_MARK, SAVED_COUNT, SAVED_M, SAVED_L, SAVED_ALPHA, SAVED_LENGTH, NUM_SAVED };
 
-// Bounds of the states that are restored: version of this layout
+// Bounds of the states that are restored: only states with this version of the layout
 static const double saved_mark = 3004;
 
 static void head_of(double head[NUM_SAVED], const ehdrom_contact *self) {
@@ -383,8 +383,8 @@ ehdrom_status ehdrom_state_save(ehdrom_contact *self, double *state, size_t coun
     return EHDROM_OK;
 }
 
-/* Restores a state. If the settings are unchanged, it reuses the object for steps, since creating
- * this object takes four fifths of the time. */
+/* Restores a state. If the settings are unchanged, reuses the object for steps, since creating a
+ * new object takes four fifths of the time. */
 static ehd_status restore(ehdrom_contact *self, const double *state, size_t count) {
     double head[NUM_SAVED];
     ehd_status status = EHD_OK;

@@ -12,7 +12,7 @@
 
 /* The state whose traction is computed. */
 typedef struct slid_state {
-    bool solved;           // true: stationary; false: in time
+    bool solved;           // true: a stationary solution; false: a state of a transient contact
     bool attempted;        // true: a step that is not accepted yet
     contact_frame frame;   // frame of this state
     contact_scalars there; // scalars in the reference frame
@@ -44,14 +44,15 @@ static void take_state(ehd_contact *contact, contact_scalars *scalars, const ehd
     } else {
         frame_contact(contact, frame, &self->reference);
         *scalars = frame_from_reference(&of->there, frame, &self->reference);
-        // scaled by the reference's mean speed, since the present mean speed may be 0
+        // the scale is the reference's mean speed, because the present mean speed may be 0
         contact->far_speed = 1 / frame->half_width;
     }
     contact->grid = *library_grid(self); // a scene may leave the grid to the model
     contact->slide_roll = sliding;
 }
 
-/* Computes the traction from the model's few nodes if it has them, otherwise from the fields. */
+/* Computes the traction as a sum over few nodes if the model has nodes for traction, otherwise from
+ * the fields. */
 static ehd_status find_traction(contact_traction *found, ehdrom_contact *self, const slid_state *of,
                                 const ehd_contact *contact, const contact_scalars *scalars) {
     const bool few_nodes = online_has_traction(self->model->online);
@@ -92,7 +93,7 @@ static const unit_factors *units_of(const ehdrom_contact *self, const slid_state
 }
 
 /* Checks the caller's u1 - u2, in the caller's units. Replaces NaN by the value of the settings.
- * EHD_DATA. */
+ * EHD_DATA: no sliding is known, or the sliding is not allowed. */
 static ehd_status find_sliding(double *sliding, ehdrom_contact *self, const slid_state *of) {
     const ehd_contact *reference = of->solved ? &self->solved : &self->reference;
 

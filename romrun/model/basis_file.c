@@ -122,7 +122,7 @@ static ehd_status get_trajectory_marks(reduced_states *states, artefact *file, i
     return EHD_OK;
 }
 
-/* A column of flow_thinning. */
+/* A member of flow_thinning and its dataset. */
 typedef struct thinning_column {
     const char *field;
     bool by_gradient;
@@ -139,7 +139,8 @@ static double *thinning_of(const reduced_states *states, const thinning_column *
     return column->by_gradient ? &thinning->gradient : &thinning->sliding;
 }
 
-/* Writes the thinning of the states' flows, each column only if one of its values is above 0. */
+/* Writes the thinning of the states' flows. A dataset is written only if one of its values is above
+ * 0. */
 static ehd_status put_thinning(artefact *file, const reduced_states *states, double *work,
                                ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -168,12 +169,12 @@ static ehd_status get_thinning(reduced_states *states, artefact *file, double *w
     return status;
 }
 
-/* Numbers that may be unknown for a state, one dataset each: error estimates of the grid, or
- * lubricant data. */
+/* Numbers of each state that may be unknown: error estimates of the grid, or lubricant data. Each
+ * column of `values` is a dataset. */
 typedef struct optional_columns {
     const char *const *names; // [num]
     size_t num;
-    double *values; // [num_states, num], NaN: not known
+    double *values; // [num_states, num] NaN: the value is not known
 } optional_columns;
 
 enum { NUM_OPTIONAL = 2 };
@@ -219,7 +220,7 @@ static ehd_status get_optional(reduced_states *states, artefact *file, double *w
 }
 
 /* Returns the index in states->exit of the file's i-th exit. states->exit includes boundary lines,
- * the file does not. */
+ * but the file does not. */
 static size_t exit_index(const ehd_grid *grid, const reduced_states *states, size_t i) {
     return i / grid->inner_lines * states->num_lines + grid_first_line(grid) +
            i % grid->inner_lines;
@@ -305,7 +306,7 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
                               num_states, error);
     else
         for (size_t i = 0; i < num_states && !status; i++)
-            states->central_film_thickness[i] = NAN; // files of other programs may lack it
+            states->central_film_thickness[i] = NAN; // other programs may omit the dataset
     if (!status) status = get_trajectory_marks(states, file, exits, error);
     if (!status) status = get_thinning(states, file, part, error);
     if (!status) status = get_optional(states, file, part, error);

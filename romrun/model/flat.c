@@ -24,7 +24,7 @@ static const char magic[8] = {'E', 'H', 'D', 'R', 'O', 'M', 'F', '\n'};
 typedef struct flat_header {
     char magic[8];
     uint32_t version, order; // a reader with another byte order finds a number other than ORDER
-    uint64_t size;           // of the file, bytes
+    uint64_t size;           // size of the file, bytes
     uint64_t checksum;       // checksum of all bytes behind the header
     char rest[32];           // 0
 } flat_header;
@@ -60,9 +60,10 @@ void flat_refuse(flat *self, const char *format, ...) {
 
 // ---- files
 
-/* Computes a checksum. Each step of a lane can be inverted, so changing a single word always
- * changes the sum. Eight lanes run side by side, since each step of a lane waits for the lane's
- * previous step. */
+/* Computes a checksum. The words are distributed over eight partial sums (lanes). Each step of a
+ * lane can be inverted, so changing a single word always changes the sum. There are eight lanes for
+ * speed: each step of a lane has to wait for the previous step of this lane, but the processor
+ * computes different lanes in parallel. */
 static uint64_t checksum_of(const unsigned char *bytes, size_t size) {
     enum { LANES = ALIGNMENT / sizeof(uint64_t) };
     const uint64_t factor = UINT64_C(0x9e3779b97f4a7c15);
@@ -114,7 +115,8 @@ void flat_free(flat *self) {
     *self = (flat){0};
 }
 
-/* Maps the file instead of copying it: mapping the demo's 18 MB takes 0.1 ms, reading them 5 ms. */
+/* Maps the file into memory instead of reading it. For the 18 MB of the demo's model, mapping takes
+ * 0.1 ms and reading 5 ms. */
 static void map_bytes(flat *self, FILE *file) {
     struct stat found;
 
@@ -191,7 +193,7 @@ static block_header header_of(const char *name, size_t count, size_t size) {
     return header;
 }
 
-/* Appends `bytes` zero bytes; returns false without memory. */
+/* Appends `bytes` zero bytes. Returns false if there is no memory. */
 static bool grow(flat *self, size_t bytes) {
     const size_t needed = self->at + bytes;
 
@@ -234,7 +236,7 @@ static void *read_block(flat *self, const block_header *expected) {
             (size_t)found.size, (size_t)expected->count, (size_t)expected->size);
         return NULL;
     }
-    size_t bytes; // the padding fits too: `left` is a whole number of blocks
+    size_t bytes; // the padding also fits, because `left` is a whole number of blocks
     if (__builtin_mul_overflow(expected->count, expected->size, &bytes) ||
         bytes > left - sizeof found) {
         flat_refuse(self, "%s: found %zu bytes, expected more", expected->name, left);

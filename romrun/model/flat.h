@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Flat files: blocks of numbers in the layout of memory (schemas/flat-model.md). Each block has
- * its name and its length, and begins at a multiple of 64 bytes. The reader maps the file. A new
- * file may therefore replace one that is in use under the same name, but nobody may write into the
- * file.
- * Reading and writing share one walk over an object: each call below either writes the value that
- * it is given, or returns the value in the file.
+/* Flat files: blocks of numbers in the layout of memory (schemas/flat-model.md). Each block has a
+ * name and a length, and begins at a multiple of 64 bytes. The reader maps the file into memory.
+ * While a file is in use, another file may take its name, but no program may write into the file
+ * itself.
+ * Reading and writing share one sequence of calls for an object: each call below either writes the
+ * value of its argument, or returns the value in the file.
  * Called by flat_model.c, by romrun/state, and by online_model.c and part.c in romrun/online. */
 #ifndef EHD_FLAT_H
 #define EHD_FLAT_H
@@ -17,22 +17,22 @@ typedef struct flat {
     bool reading;
     const char *path; // path of the file, not owned
     unsigned char *bytes;
-    size_t size, room; // bytes used, and bytes allocated
+    size_t size, room; // number of bytes used, and of bytes allocated
     size_t at;         // offset of the next block, bytes
-    ehd_status status; // first failure; calls after it do nothing
+    ehd_status status; // first failure; calls after a failure do nothing
     ehd_error *error;
 } flat;
 
-/* Checks whether a file begins with the magic bytes of a flat file. EHD_NOINPUT, EHD_IO,
+/* Checks whether a file begins with the magic bytes of a flat file. Errors: EHD_NOINPUT, EHD_IO,
  * EHD_MEMORY. */
 ehd_status flat_is(bool *is, const char *path, ehd_error *error);
 
-/* Begin to write a file, or map an existing one. flat_read checks that the file's length is that in
- * the header. It also checks the checksum, unless the environment variable EHDROM_DIGEST is `no`.
- * EHD_NOINPUT, EHD_DATA, EHD_IO, EHD_MEMORY. */
+/* Begin to write a file, or map an existing one. flat_read checks that the length of the file
+ * equals the length in the header. It also checks the checksum, unless the environment variable
+ * EHDROM_DIGEST is `no`. Errors: EHD_NOINPUT, EHD_DATA, EHD_IO, EHD_MEMORY. */
 void flat_begin(flat *self, const char *path, ehd_error *error);
 ehd_status flat_read(flat *self, const char *path, ehd_error *error);
-/* Writes all blocks to the file. The file gets its name when it is complete. EHD_CANTCREATE: the
+/* Writes all blocks to the file, which gets its name only when it is complete. EHD_CANTCREATE: the
  * file exists, and `force` is false; EHD_IO. */
 ehd_status flat_write(flat *self, bool force);
 void flat_free(flat *self);

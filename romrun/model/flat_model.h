@@ -8,8 +8,9 @@
 #include "romrun/model/flat.h"
 #include "romrun/model/reduced_model.h"
 
-/* Writes or reads a model, and checks all indices that it reads. A model that was read points into
- * the flat file, which must outlive it, and is freed by flat_model_free. */
+/* Writes or reads a model, and checks all indices that it reads. The arrays of a model that was
+ * read lie in the flat file, so the file must outlive the model. Free such a model with
+ * flat_model_free. */
 void flat_model(flat *file, reduced_model *model);
 void flat_model_free(reduced_model *model);
 

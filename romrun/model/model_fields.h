@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Holds names in a model file (schemas/model.md), for its writer and its reader.
+/* Holds the names of axes and datasets of a model file (schemas/model.md), for the writer and the
+ * reader of the file.
  * Used by model_file.c and model_read.c. */
 #ifndef EHD_MODEL_FIELDS_H
 #define EHD_MODEL_FIELDS_H
 
 #include "romrun/model/reduced_model.h"
 
-/* Axes and datasets of a set of rows. */
+/* Names of the axes and datasets of a set of rows. */
 typedef struct row_fields {
     const char *row_axis, *needed_axis;
     const char *row, *weight, *needed;
@@ -15,7 +16,7 @@ typedef struct row_fields {
 } row_fields;
 extern const row_fields selected_fields, control_fields;
 
-/* Axes and datasets of a cubature. */
+/* Names of the axis and datasets of a cubature. */
 typedef struct traction_fields {
     const char *axis, *node;
     const char *friction, *dry;

@@ -16,17 +16,18 @@ typedef struct model_origin {
     const char *basis_identity; // SHA-256 of the basis file
     double sigma_min_residual, sigma_min_jacobian;
     double sigma_min_over_exits;
-    double stability;                // 1/sigma_min at the worst exit; it is 1 with all rows
+    double stability;                // 1/sigma_min at the worst exit; 1 if all rows are selected
     const double *sigma_min_by_exit; // [num_states]
-    // data for weights of a model that uses fewer rows or modes; `weights` NULL: not known
+    // data for the weights if fewer rows or modes of the model are used; if `weights` is NULL,
+    // these data are not known
     const char *weights;          // name of the weighting
     const double *factors;        // [num_rows] factors; row_weight is D times these factors
     size_t num_jacobian_modes;    // number of modes of the Jacobian products
     const double *jacobian_modes; // [num_rows, num_jacobian_modes], orthonormal over all rows
 } model_origin;
 
-/* Writes all of a model into a new file, to which more may be added. The file stores the full
- * modes of `basis`, for fields on the whole grid. */
+/* Writes a whole model into a new file. The caller may then add more data to the file. The file
+ * stores the full modes of `basis`, for fields on the whole grid. */
 ehd_status model_put(artefact *file, const reduced_model *model, const reduced_basis *basis,
                      const model_origin *origin, ehd_error *error);
 
@@ -39,10 +40,11 @@ ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
  * this file even if another file takes its name meanwhile. Errors as artefact_open. */
 ehd_status model_open(artefact **file, const char *path, ehd_error *error);
 
-/* Reads the first modes and rows of a model, without its full bases. `sizes` NULL: all. If fewer
- * rows or modes than stored are read, the rows are weighted anew, provided that the file holds the
- * data for it; otherwise they keep the weights of the whole model. The rows are then sorted by
- * node. EHD_DATA also for sizes larger than the stored ones and for fewer rows than modes. */
+/* Reads the first modes and rows of a model, without its full bases. `sizes` NULL: reads all modes
+ * and rows. If fewer rows or modes than stored are read, new weights of the rows are computed. If
+ * the file lacks the data for new weights, the rows keep the weights of the whole model. The rows
+ * are then sorted by node. EHD_DATA is returned also for sizes larger than the stored ones and for
+ * fewer rows than modes. */
 ehd_status model_get(
     // output:
     reduced_model *model, // free with reduced_model_free
@@ -60,10 +62,11 @@ bool model_has_modes(const artefact *file, const reduced_model *model);
  * num_pressure] and, for an independent basis, [num_nodes, num_deformation] (otherwise NULL). */
 ehd_status model_get_modes(
     // output:
-    double **pressure_basis,    // free with free(); NULL: not wanted
-    double **deformation_basis, // as pressure_basis
+    // either argument may be NULL, and its modes are then not read
+    double **pressure_basis,    // free with free()
+    double **deformation_basis, // free with free()
     // input:
-    artefact *file, const reduced_model *model, // read from this file
+    artefact *file, const reduced_model *model, // model that was read from this file
     ehd_error *error);
 
 #endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads model.h5 (schemas/model.md; model_file.h). A part of a model gets its own row weights
- * (weighting.h).
- * Called by romrun/online/part.c, by romrun/calibrate/calibrate.c, and by readers.c for
- * --check. */
+/* Reads model.h5 (schemas/model.md; model_file.h). If only some rows or modes of a model are read,
+ * the rows get new weights (weighting.h).
+ * Called by romrun/online/part.c, by romrun/calibrate/calibrate.c, and by readers.c for --check. */
 #include "romrun/model/basis_file.h"
 #include "romrun/model/model_fields.h"
 #include "romrun/model/model_file.h"
@@ -28,8 +27,8 @@ static ehd_status choose_size(size_t *size, size_t wanted, size_t stored, const 
     return EHD_OK;
 }
 
-/* Reads a table [rows, columns]. Keeps the listed rows (NULL: the first num_kept rows) and the
- * first columns. */
+/* Reads a table [rows, columns]. Keeps the rows listed in `kept_rows` (NULL: the first num_kept
+ * rows), and of these rows the first kept_columns columns. */
 static ehd_status read_part(double **part, arena *memory, artefact *file, const char *field,
                             size_t rows, size_t columns, const size_t *kept_rows, size_t num_kept,
                             size_t kept_columns, ehd_error *error) {
@@ -61,8 +60,8 @@ static ehd_status read_nodes(size_t **nodes, arena *memory, artefact *file, cons
     return status;
 }
 
-/* Finds the indices of `nodes` in a stored list, which must be ascending and contain all of
- * them. */
+/* Finds the indices of `nodes` in a stored list. The list must be ascending and contain all these
+ * nodes. */
 static ehd_status match_nodes(size_t **indices, arena *memory, const size_t *nodes, size_t count,
                               const ehd_grid *grid, artefact *file, const char *field,
                               size_t num_stored, ehd_error *error) {
@@ -109,8 +108,8 @@ static ehd_status reweigh(reduced_model *model, artefact *file, const stored_siz
     return status;
 }
 
-/* Computes new weights if only some rows or modes are read: weights hold for one list of rows and
- * modes as a whole. */
+/* Computes new weights if only some rows or modes are read, because weights hold only for a list of
+ * rows and modes as a whole. */
 static ehd_status weigh_part(reduced_model *model, artefact *file, const stored_sizes *stored,
                              ehd_error *error) {
     bool whole = model->rows.num_rows == stored->rows && model->num_pressure == stored->pressure &&
@@ -204,8 +203,8 @@ static ehd_status read_band(reduced_model *model, artefact *file, ehd_error *err
                                      : read_band_line(model, file, error);
 }
 
-/* Reads the left sides of cut updates, and the cut table for an exit at the beginning of the
- * band. */
+/* Reads the cut table for an exit at the beginning of the band (`base` of exit_cut). For an
+ * independent basis also reads `left`. */
 static ehd_status read_cut(reduced_model *model, artefact *file, const stored_sizes *stored,
                            ehd_error *error) {
     bool coupled = model->deformation == DEFORMATION_COUPLED;
@@ -246,7 +245,7 @@ static size_t stored_film_width(const reduced_model *model, const stored_sizes *
     return model->deformation == DEFORMATION_COUPLED ? stored->pressure : stored->deformation;
 }
 
-/* Reads the bases at the nodes that the first set->num_rows rows need; the file may contain more
+/* Reads the bases at the nodes that the first set->num_rows rows need. The file may contain more
  * nodes. */
 static ehd_status read_needed(reduced_model *model, row_set *set, const row_fields *fields,
                               artefact *file, const stored_sizes *stored, ehd_error *error) {
@@ -279,8 +278,8 @@ static ehd_status read_rows(reduced_model *model, row_set *set, const row_fields
                               NULL, set->num_rows, 1, error);
 }
 
-/* Sorts rows by their nodes: rows at neighbouring nodes share a half node, and its flux is then
- * evaluated only once. */
+/* Sorts rows by their nodes. Rows at neighbouring nodes share a half node. If these rows follow
+ * each other, the flux at the half node is evaluated only once. */
 static void sort_rows(row_set *set) {
     for (size_t r = 1; r < set->num_rows; r++)
         for (size_t i = r; i > 0 && set->node[i - 1] > set->node[i]; i--) {
@@ -314,7 +313,7 @@ static ehd_status read_tables(reduced_model *model, artefact *file, const stored
     return status ? status : read_cut(model, file, stored, error);
 }
 
-/* Reads all control rows, whatever the number of selected rows is. */
+/* Reads all control rows, for any number of selected rows. */
 static ehd_status read_control(reduced_model *model, artefact *file, const stored_sizes *stored,
                                ehd_error *error) {
     row_set *control = &model->control;
@@ -325,7 +324,8 @@ static ehd_status read_control(reduced_model *model, artefact *file, const store
     return status ? status : read_needed(model, control, &control_fields, file, stored, error);
 }
 
-/* Reads the nodes for traction, if the file has them, whatever the number of rows and modes is. */
+/* Reads the cubature for traction if the file has one. All its nodes are read, for any number of
+ * rows and modes. */
 static ehd_status read_cubature(reduced_model *model, artefact *file, const stored_sizes *stored,
                                 ehd_error *error) {
     const traction_fields *fields = &cubature_fields;
@@ -355,7 +355,7 @@ static ehd_status read_cubature(reduced_model *model, artefact *file, const stor
     return status ? status : reduced_model_place_rows(model, set, error);
 }
 
-/* Reads the states and keeps their coordinates in the chosen modes. */
+/* Reads the states, and keeps only the coordinates of the modes in use. */
 static ehd_status read_states(reduced_model *model, artefact *file, const stored_sizes *stored,
                               ehd_error *error) {
     reduced_states whole = {0};

@@ -6,12 +6,12 @@
 
 #include "common/output/check.h"
 
-/* Read the whole file and free it again. Errors as basis_read, model_open, model_get,
- * model_get_modes and trade_get. */
+/* Read the whole file to check it, and free the data again. Errors as basis_read, model_open,
+ * model_get, model_get_modes and trade_get. */
 ehd_status basis_check(const char *path, ehd_error *error);
 ehd_status model_check(const char *path, ehd_error *error);
 
-/* The readers of both kinds of files; ends with {0}. */
+/* The readers of basis and model files; the list ends with {0}. */
 extern const output_reader model_readers[];
 
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Finds the band of a model: the run of nodes that contains the exits and smallest films of the
- * training (romrun/solve/README.md). It also checks a stored band.
- * Called by reduced_build.c to find it, and by flat_model.c and model_read.c to check it. */
+/* Finds the band of a model, the range of nodes that contains the exits and smallest films of the
+ * training (romrun/solve/README.md). Also checks a band that was read from a file.
+ * Called by reduced_build.c to find the band, and by flat_model.c and model_read.c to check the
+ * band. */
 #include "romrun/model/reduced_build.h"
 
 #include "common/algebra/product.h"
@@ -10,11 +11,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Margins of the band, half widths. EXIT_MARGIN: beyond the trained exits of a line contact.
- * LINES_MARGIN: beyond the trained exits of a point contact, which vary more on each grid line.
- * MINIMUM_MARGIN: before the trained film minima. Exits of iterates may lie beyond the trained
- * exits. Without EXIT_MARGIN, or with -0.1 for MINIMUM_MARGIN, some trained solutions do not lead
- * to every other one (test_reduced_solver.c, any_trained_solution_leads_to_any_other). */
+/* Margins of the band, half widths. The band extends beyond the trained exits by EXIT_MARGIN for a
+ * line contact, and by LINES_MARGIN for a point contact, whose exits vary more on each grid line.
+ * The band begins MINIMUM_MARGIN before the trained film minima. Exits of iterates may lie beyond
+ * the trained exits. Without EXIT_MARGIN, or with -0.1 for MINIMUM_MARGIN, the iteration does not
+ * converge from every trained solution to every other trained solution (test_reduced_solver.c,
+ * any_trained_solution_leads_to_any_other). */
 static const double EXIT_MARGIN = 0.1, LINES_MARGIN = 0.3, MINIMUM_MARGIN = 0.05;
 
 /* Finds the film minimum of a training state from the deflection of its pressure, and returns its
@@ -53,8 +55,8 @@ static void deflect_state(double *deflections, const reduced_basis *basis, size_
     deflection_apply(deflections, deflection, deflections);
 }
 
-/* Finds for each grid line the first and the last exit of the training. Sets `begin` to the first
- * column of a film minimum on or near the line. */
+/* Finds the first and the last exit of the training on each grid line. Sets `begin` of the line to
+ * the first column of a film minimum on this line or near it. */
 static void find_extremes(reduced_model *model, const reduced_basis *basis,
                           ehd_deflection *deflection, double *work) {
     const reduced_states *states = &basis->states;
@@ -84,8 +86,8 @@ static void find_extremes(reduced_model *model, const reduced_basis *basis,
     }
 }
 
-/* Widens the range of the exit on each grid line by the margin. Before this range it leaves the
- * nodes that the stencil needs. */
+/* Widens the range of the exit on each grid line by the margin. Before this range it leaves space
+ * for the stencil of a row. */
 static void widen_exits(reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     size_t margin =
@@ -108,8 +110,8 @@ static void widen_exits(reduced_model *model) {
 }
 
 /* Sets the columns of the band on each grid line. The band begins before the first film minimum,
- * and before the first node needed by rows at the exits of this and the neighbouring grid lines. It
- * ends behind the last of these exits. */
+ * and before the first node needed by rows at the exits of this and the neighbouring grid lines.
+ * The band ends behind the last of these exits. */
 static void set_band(reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     const size_t width = grid_width(grid), ahead = reynolds_reach_ahead(grid);

@@ -99,7 +99,7 @@ static void fill_left_independent(reduced_model *model, const reduced_basis *bas
     }
 }
 
-/* Lists rows, weighted by D of the basis. The caller has checked the selection. */
+/* Lists rows, with the weight D of the basis. The caller has checked the rows. */
 static ehd_status list_rows(reduced_model *model, row_set *set, const reduced_basis *basis,
                             const size_t *rows, size_t num_rows, ehd_error *error) {
     set->num_rows = num_rows;
@@ -141,8 +141,8 @@ static ehd_status gather_needed(reduced_model *model, row_set *set, const reduce
     return set->pressure && set->film ? EHD_OK : ehd_no_memory(error, "reduced model");
 }
 
-/* Checks the memory of the left sides (nodes of the band times needed nodes). It is the largest
- * table of a point contact with all rows. */
+/* Checks that there is memory for the left sides (nodes of the band times needed nodes). For a
+ * point contact with all rows this is the largest table. */
 static ehd_status check_cut_memory(const reduced_model *model, ehd_error *error) {
     const double rows = (double)model->cut.num_rows, nodes = (double)model->band.num_nodes;
     const double modes = (double)(2 * model->num_pressure + model->num_deformation);
@@ -233,7 +233,8 @@ ehd_status reduced_model_add_control(reduced_model *model, const reduced_basis *
     return status;
 }
 
-/* Adds to `moment` int P X of the modes cut at the beginning of the band. */
+/* Adds the integrals int P X of the modes to `moment`. The modes are cut at the beginning of the
+ * band. */
 static void fill_moment(double *moment, const reduced_model *model, const reduced_basis *basis) {
     const ehd_grid *grid = &basis->grid;
     const size_t num = basis->num_pressure;

@@ -10,7 +10,7 @@
 #include "romrun/model/reduced_model.h"
 
 /* Sets the band. On each grid line it begins before the first film minimum in training and ends
- * behind the last exit in training. EHD_MEMORY. */
+ * behind the last exit in training. Errors: EHD_MEMORY. */
 ehd_status reduced_model_find_band(
     // in and out:
     reduced_model *model,

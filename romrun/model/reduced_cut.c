@@ -97,7 +97,7 @@ static size_t exit_distance(const reduced_model *model, const size_t *a, const s
     return sum;
 }
 
-/* Returns the nearest one of the first `count` checkpoints. */
+/* Returns the nearest one of the first `count` checkpoints to an exit line. */
 static size_t nearest_checkpoint(const reduced_model *model, const size_t *exit, size_t count) {
     size_t best = 0, smallest = SIZE_MAX;
 
@@ -132,8 +132,8 @@ static ehd_status space_checkpoints(reduced_model *model, ehd_error *error) {
 }
 
 /* Chooses the checkpoints of a point contact among the exit lines in training. Each new checkpoint
- * is the exit line farthest from those chosen before (farthest-point sampling), until no line is
- * left or CHECKPOINT_MEMORY is used. */
+ * is the exit line that is farthest from the checkpoints chosen before (farthest-point sampling).
+ * This ends when no exit line is left or CHECKPOINT_MEMORY is used. */
 static ehd_status spread_checkpoints(reduced_model *model, ehd_error *error) {
     const reduced_states *states = &model->states;
     size_t table =
@@ -193,8 +193,8 @@ static void change_control(double *films, const reduced_model *model, const cut_
                      reduced_model_position(model, control->needed_node[q]), 1);
 }
 
-/* Fills the tables of the first checkpoint from the base, and those of each other checkpoint from
- * the nearest filled checkpoint. */
+/* Fills the tables of all checkpoints. The tables of the first checkpoint are computed from `base`,
+ * and the tables of each other checkpoint from the nearest filled checkpoint. */
 static ehd_status fill_checkpoints(const kept_table *tables, size_t num_tables,
                                    const reduced_model *model, ehd_error *error) {
     cut_run *runs = malloc(model->band.num_lines * sizeof *runs);

@@ -126,7 +126,8 @@ ehd_status reduced_model_list_needed(reduced_model *model, row_set *set, ehd_err
     return set->needed_node ? EHD_OK : ehd_no_memory(error, "reduced model");
 }
 
-/* Returns the index of a node in an ascending list that contains it, and NO_NODE for NO_NODE. */
+/* Returns the index of a node in an ascending list that contains the node. If the node is NO_NODE,
+ * returns NO_NODE. */
 static size_t index_in(const size_t *nodes, size_t count, size_t node) {
     size_t low = 0, high = count;
 
@@ -165,7 +166,8 @@ ehd_status reduced_model_place_rows(reduced_model *model, row_set *set, ehd_erro
 // ---- tables that follow from the stored ones
 
 /* Fills the left sides (`left` of exit_cut) of a coupled basis, except the column of the load. Row
- * i is K from band node i to the needed nodes. */
+ * i holds the deflections at the needed nodes by a pressure of 1 at band node i, which are entries
+ * of K. */
 static void fill_left_coupled(reduced_model *model) {
     const double unit = 1;
 
@@ -182,7 +184,8 @@ static void fill_left_coupled(reduced_model *model) {
     }
 }
 
-/* Fills the last column of the left sides, for both kinds of bases: the load of a band node. */
+/* Fills the last column of the left sides, for both kinds of bases: the load of a pressure of 1 at
+ * a band node. */
 static void fill_left_load(reduced_model *model) {
     for (size_t l = 0; l < model->band.num_lines; l++) {
         const band_line *line = &model->band.lines[l];

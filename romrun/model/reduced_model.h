@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Declares the reduced model (romrun/online/README.md; Maier et al. (2015), section 3): bases at
- * the nodes that the selected Reynolds rows need, and tables that cut the modes at the exit. Level
- * i (all rows) and level n (selected rows) differ only in the list of rows.
+/* Declares the reduced model (romrun/online/README.md; Maier et al. (2015), section 3). The model
+ * holds bases at the nodes that the selected Reynolds rows need, and tables that cut the pressure
+ * modes at the exit, that is, set them to zero behind the exit. Models of the paper's level i (all
+ * rows) and level n (selected rows) differ only in the list of rows.
  * Called by podbuild, deimselect and snapgen, which make models, and by romrun. */
 #ifndef EHD_REDUCED_MODEL_H
 #define EHD_REDUCED_MODEL_H
@@ -18,42 +19,47 @@
 
 /* How the deflection depends on the reduced unknowns. */
 typedef enum deformation_kind {
-    DEFORMATION_INDEPENDENT, // own basis, projected elasticity equation (eq. 26)
-    DEFORMATION_COUPLED      // Delta = K V_p a, no unknowns of its own
+    DEFORMATION_INDEPENDENT, // own deflection modes and the projected elasticity equation (eq. 26)
+    DEFORMATION_COUPLED      // deflection by the pressure modes, Delta = K V_p a, no further
+                             // unknowns
 } deformation_kind;
 
 extern const char *const deformation_names[]; // "independent", "coupled", NULL
 
-/* Training solutions in reduced coordinates: starts of Newton's method, and the trained range. */
+/* Training solutions in reduced coordinates. Newton's method starts from these solutions, and they
+ * define the trained range. */
 typedef struct reduced_states {
     size_t num_states;
     size_t num_unknowns;     // n_p + n_delta + 1
     double *coordinates;     // [num_states, num_unknowns]: pressure, deformation, rigid approach
-    size_t num_lines;        // lines of the grid, including the boundary lines of a point contact
-    size_t *exit;            // [num_states, num_lines] first column without pressure; boundary
-                             // nodes are counted; for a line contact a grid node
+    size_t num_lines;        // number of grid lines, including the boundary lines of a point
+                             // contact
+    size_t *exit;            // [num_states, num_lines] first column without pressure, where column
+                             // 0 is the boundary node; for a line contact this is a grid node
     double *moes_M;          // [num_states]
     double *alpha_p_H;       // [num_states]
     flow_thinning *thinning; // [num_states] thinning of the flow
     double *central_film_thickness; // [num_states]
     bool *stationary;               // [num_states] false: the state is from a trajectory
-    // [num_states] rates of change of the contact (frame_rates): the rate `all`, and the largest
-    // rate `load` on the trajectory so far; 0 for stationary states
+    // [num_states] rates of change of the contact (frame_rates). `rate`: the rate `all` at the
+    // state. `load_rate`: the largest rate `load` on the trajectory up to the state. Both are 0 for
+    // stationary states
     double *rate, *load_rate;
-    film_effects *effects;  // [num_states] errors by the full model's grid
-    lubricant_rises *rises; // [num_states] rises to the Hertz pressure
+    film_effects *effects;  // [num_states] estimated errors due to the grid of the full model
+    lubricant_rises *rises; // [num_states] rises of viscosity and density up to the Hertz pressure
 } reduced_states;
 
-/* Allocates states that are stationary and zero, with unknown effects. EHD_MEMORY. */
+/* Allocates stationary states. All their numbers are zero, except effects and rises, which are
+ * unknown. Errors: EHD_MEMORY. */
 ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t num_lines,
                                size_t num_unknowns, ehd_error *error);
 void reduced_states_free(reduced_states *states);
 
-/* Copies all data of the states, except their coordinates, to the states of `target` from `first`
- * on. */
+/* Copies all data of the states of `source`, except the coordinates, to the states of `target`,
+ * beginning with state number `first`. */
 void reduced_states_put(reduced_states *target, size_t first, const reduced_states *source);
 
-/* Copies all arrays. EHD_MEMORY. */
+/* Copies all arrays. Errors: EHD_MEMORY. */
 ehd_status reduced_states_copy(reduced_states *target, const reduced_states *source,
                                ehd_error *error);
 
@@ -68,13 +74,14 @@ bool reduced_states_have(const reduced_states *states, const ehd_contact *contac
 typedef struct reduced_basis {
     const contact_kind *kind;
     ehd_grid grid;
-    ehd_carriage carriage; // transport in the training's trajectories
+    ehd_carriage carriage; // transport and smoothing in the trajectories of the training
     deformation_kind deformation;
     size_t num_pressure;       // n_p
     size_t num_deformation;    // n_delta, 0 when coupled
     double *pressure;          // [num_nodes, num_pressure], zero at the boundary nodes
     double *deformation_modes; // [num_nodes, num_deformation], NULL when coupled
-    double *weight;            // [num_nodes] D of the test basis (eq. 27), with its floor
+    double *weight;            // [num_nodes] weight D of the test basis (eq. 27), including its
+                               // lower bound (podbuild/README.md)
     reduced_states states;
 } reduced_basis;
 
@@ -83,18 +90,18 @@ void reduced_basis_free(reduced_basis *basis);
 size_t reduced_num_unknowns(size_t num_pressure, size_t num_deformation);
 
 /* Checks that the least squares have enough rows. The projected elasticity equation and the load
- * balance leave num_pressure unknowns, which the rows determine. EHD_DATA: fewer rows. `object`:
- * begins the message. */
+ * balance leave num_pressure unknowns, which the rows have to determine. EHD_DATA: there are fewer
+ * rows than num_pressure. `object`: the first words of the message. */
 ehd_status reduced_check_num_rows(size_t num_rows, size_t num_pressure, size_t num_deformation,
                                   const char *object, ehd_error *error);
 
-/* Reynolds rows of the grid, and the bases at their needed nodes: the nodes of the rows'
- * stencils. */
+/* A set of Reynolds rows, and the bases at the nodes that the rows need. These *needed nodes* are
+ * all nodes of the rows' stencils. */
 typedef struct row_set {
     size_t num_rows;
     size_t *node;               // [num_rows] grid nodes, in order of selection
     double *weight;             // [num_rows] D of the test basis, times the row's quadrature factor
-    reynolds_stencil *stencils; // [num_rows], nodes as indices in needed_node
+    reynolds_stencil *stencils; // [num_rows] stencils whose nodes are indices in needed_node
     size_t num_needed;
     size_t *needed_node; // [num_needed] ascending
     double *gap;         // [num_needed] undeformed gap
@@ -104,101 +111,109 @@ typedef struct row_set {
                          // [num_needed, num_pressure]
 } row_set;
 
-/* Interpolation to the centre X = 0 on the grid line Y = 0. */
+/* Cubic interpolation of pressure and film to the centre X = 0, along the grid line Y = 0. */
 typedef struct centre_nodes {
-    size_t index[4]; // indices in needed_node of the selected rows
+    size_t index[4]; // indices in model->rows.needed_node of the four nodes around X = 0
     double weight[4];
 } centre_nodes;
 
-/* The columns of the band on one grid line. Boundary lines of a point contact have none. */
+/* The columns of the band on one grid line. Boundary lines of a point contact have no columns in
+ * the band. */
 typedef struct band_line {
     size_t begin, end;         // the band has columns begin … end - 1
     size_t offset;             // index of column `begin` among the band's nodes
-    size_t min_exit, max_exit; // first and last column of the exit
+    size_t min_exit, max_exit; // first and last column at which the exit may lie
 } band_line;
 
-/* The band: the nodes that contain the film minima and the exits. A line contact has one line,
- * whose columns are the grid's nodes. */
+/* The band: the range of nodes in which the film minima and the exits lie. For a line contact the
+ * band has one line, whose columns are the nodes of the grid. */
 typedef struct exit_band {
     size_t num_lines;                   // lines of the grid
     band_line *lines;                   // [num_lines]
-    size_t num_nodes;                   // sum over all lines
-    size_t first_minimum, last_minimum; // lines between which trained film minima lie
+    size_t num_nodes;                   // number of the band's nodes on all lines
+    size_t first_minimum, last_minimum; // first and last line with film minima of the training
     double *pressure;                   // [num_nodes, num_pressure]
-    double *film;                       // film's basis as in row_set, at the band's nodes
+    double *film;                       // basis of the film at the band's nodes, as in row_set
 } exit_band;
 
-/* The cut table: linear maps of the pressure modes cut at the exit. For a coupled basis it contains
- * the modes' deflections at the needed nodes, for an independent basis V_delta^T K V_p. The last
- * row of the table is the load of the modes. The table of an exit is `base` plus the sum of
- * left[i, :]^T V_p[i, :] over the band's nodes i before the exit (eq. 36). */
+/* The cut table: quantities of the pressure modes that depend linearly on the modes cut at the
+ * exit. For a coupled basis these are the deflections of the modes at the needed nodes. For an
+ * independent basis they are V_delta^T K V_p. The last row of the table is the load of the modes.
+ * The table of an exit is `base` plus the sum of left[i, :]^T V_p[i, :] over the band's nodes i
+ * before the exit (eq. 36). */
 typedef struct exit_cut {
     size_t num_rows; // coupled: num_needed + 1; independent: num_deformation + 1
-    double *left;    // [nodes of the band, num_rows]
-    // [num_rows, num_pressure] deflections of the modes, if the exit is at the beginning of the band
+    double *left;    // [nodes of the band, num_rows] effect of a pressure of 1 at a node on each
+                     // row of the table
+    // [num_rows, num_pressure] table of an exit at the beginning of the band
     double *base;
 } exit_cut;
 
-/* Stored cut tables and deflections of some exits, from which the tables of other exits are
- * computed. */
+/* Checkpoints: cut tables and deflections that are stored for some exits. The tables of other exits
+ * are computed from the checkpoints. */
 typedef struct exit_checkpoints {
     size_t stride;   // line contact: distance between checkpoints in nodes
     size_t num;      // number of checkpoints
-    size_t *exit;    // [num, num_lines] line contact: every `stride` nodes; point contact: exit
-                     // lines in training
+    size_t *exit;    // [num, num_lines] exit lines of the checkpoints; line contact: at distances
+                     // of `stride` nodes; point contact: exit lines of training states
     double *cut;     // [num, rows of the cut table, num_pressure]
-    double *band;    // coupled: deflections in the band [num, nodes of the band, num_pressure]
-    double *control; // coupled: at the needed nodes of the control rows [num, num_needed,
+    double *band;    // coupled: deflections of the modes in the band [num, nodes of the band,
                      // num_pressure]
+    double *control; // coupled: deflections of the modes at the needed nodes of the control rows
+                     // [num, num_needed, num_pressure]
 } exit_checkpoints;
 
-/* Pressures of the training states behind X = 0, for starts (start_shift.h). */
+/* Pressures of the training states behind X = 0, from which initial states of the solver are
+ * computed (start_shift.h). */
 typedef struct start_shift {
-    size_t first, num_nodes; // index of the first node; the nodes are the last needed ones;
-                             // num_nodes 0: no shift
+    size_t first, num_nodes; // index in needed_node of the first node behind X = 0; all needed
+                             // nodes from this node on are used; num_nodes 0: no shift
     double *x;               // [num_nodes]
     double *pressure;        // [num_states, num_nodes] interpolated from the profiles
-    double *fit;    // [num_nodes, num_pressure] coordinates that fit a unit pressure at a node, by
-                    // least squares over all needed nodes
+    double *fit;    // [num_nodes, num_pressure] coordinates of the modes that fit a pressure of 1
+                    // at a node, by least squares over all needed nodes
     double *spike;  // [num_states] X of the spike
-    double spacing; // distance between the points of a profile, in the coordinate
+    double spacing; // distance between the points of a profile, in the coordinate of start_shift.h
     size_t num_points;
-    double *profile; // [num_states, num_points, 2] pressure, and slope times spacing
+    double *profile; // [num_states, num_points, 2] pressure, and slope of the pressure times
+                     // `spacing`
 } start_shift;
 
 /* Nodes and weights that replace sums of shear stresses over the grid (romrun/solve/README.md,
- * Traction). They do not depend on the number of rows in use. */
+ * Traction). Nodes and weights do not depend on the number of rows in use. */
 typedef struct node_cubature {
-    row_set nodes;    // a set without rows; its needed nodes have the weights (none: no cubature).
-                      // Models of thinned flows add the neighbours along X, with weights of 0, for
-                      // the pressure gradient
-    double *friction; // [num_needed] not negative: for int tau over the nodes with pressure
-    double *dry;      // [num_needed] not negative: for the mean |tau| of the dry contact
-    double *moment;   // [num_pressure] int P X of the modes cut at the beginning of the band
+    row_set nodes;    // a set without rows, whose needed nodes are the nodes of the cubature;
+                      // num_needed 0: no cubature. A model of thinned flows also has the neighbours
+                      // of these nodes along X, with weights of 0, for the pressure gradient
+    double *friction; // [num_needed] weights of int tau over the nodes with pressure, not negative
+    double *dry;      // [num_needed] weights of the mean |tau| of the dry contact, not negative
+    double *moment;   // [num_pressure] integrals int P X of the modes cut at the beginning of the
+                      // band
 } node_cubature;
 
 /* Tolerance of a cubature in its training: root mean square of the relative error. The error
- * compares the sum over the cubature's nodes with the sum over the grid. Measured with seven
- * integrands in training, on the friction of a line contact on 1201 nodes: with 1e-4, 1e-5 and 1e-6
- * it takes 98, 120 and 140 nodes, and the largest errors are 9e-4, 6e-5 and 3e-5
- * (romrun/solve/README.md, Traction). */
+ * compares the sum over the cubature's nodes with the sum over the grid. Measured on the friction
+ * of a line contact with 1201 nodes, with seven integrands in training: cubatures with the
+ * tolerances 1e-4, 1e-5 and 1e-6 have 98, 120 and 140 nodes. Their largest errors are 9e-4, 6e-5
+ * and 3e-5 (romrun/solve/README.md, Traction). */
 extern const double node_cubature_tolerance;
 
-/* Data of the online solver. Solvers only read it, so several threads may share it. */
+/* Data of the online solver. Solvers do not change the model, so several threads may share it. */
 typedef struct reduced_model {
     const contact_kind *kind;
     ehd_grid grid;
-    ehd_carriage carriage; // transport in the training's trajectories
+    ehd_carriage carriage; // transport and smoothing in the trajectories of the training
     deformation_kind deformation;
     size_t num_pressure, num_deformation, num_unknowns;
 
     row_set rows;    // the selected rows; the needed nodes include the nodes around the centre
-    row_set control; // rows that are not solved, used only for the error estimate (indicator.h); 0
-                     // rows: none
+    row_set control; // rows that are not solved but used for the error estimate (indicator.h);
+                     // num_rows 0: no control rows
     centre_nodes centre;
     exit_band band;
-    // [lines, width] deflection by distance in lines and columns. A half grid also needs the
-    // distances of mirrored nodes: [2 num_lines, width].
+    // [lines, width] deflection that a pressure of 1 causes at a distance of so many lines and
+    // columns. `lines` is num_lines. On a half grid it is 2 num_lines, for the distances of
+    // mirrored nodes.
     double *kernel;
     exit_cut cut;
     exit_checkpoints checkpoints;
@@ -206,19 +221,19 @@ typedef struct reduced_model {
     start_shift shift;
     shown_lubricants shown; // lubricants of the calibration
     node_cubature cubature;
-    arena memory; // memory of all arrays except those in `states` and `shown`
+    arena memory; // memory of all arrays except the arrays in `states` and `shown`
 } reduced_model;
 
-/* Builds a model from a list of rows, given as grid nodes in the order of selection. `rows` NULL:
- * all inner nodes (level i). EHD_DATA: fewer rows than pressure modes, or a row outside of the
- * grid; EHD_MEMORY. */
+/* Builds a model from a list of rows, given as grid nodes in the order of selection. If `rows` is
+ * NULL, the model has the rows of all inner nodes. Returns EHD_DATA if there are fewer rows than
+ * pressure modes, or if a row lies outside of the grid. Other errors: EHD_MEMORY. */
 ehd_status reduced_model_build(
     // output:
     reduced_model *model, // free with reduced_model_free
     // input:
     const reduced_basis *basis, const size_t *rows, size_t num_rows, ehd_error *error);
 
-/* Adds control rows, given as grid nodes, to a model that was built from this basis.
+/* Adds control rows, given as grid nodes, to a model that was built from this basis. Errors:
  * EHD_MEMORY. */
 ehd_status reduced_model_add_control(
     // in and out:
@@ -226,7 +241,7 @@ ehd_status reduced_model_add_control(
     // input:
     const reduced_basis *basis, const size_t *rows, size_t num_rows, ehd_error *error);
 
-/* Adds a cubature. EHD_MEMORY. */
+/* Adds a cubature. Errors: EHD_MEMORY. */
 ehd_status reduced_model_add_cubature(
     // in and out:
     reduced_model *model,
@@ -236,25 +251,26 @@ ehd_status reduced_model_add_cubature(
     size_t num_nodes, ehd_error *error);
 
 /* Lists the needed nodes of a set of rows in ascending order. The list of the selected rows
- * includes the nodes around the centre. EHD_MEMORY. */
+ * includes the nodes around the centre. Errors: EHD_MEMORY. */
 ehd_status reduced_model_list_needed(reduced_model *model, row_set *set, ehd_error *error);
 
-/* Check a band and exits that were read from `path`. EHD_DATA.
- * - reduced_check_band: on each grid line the range of the exit lies inside the band, with space
- *   for the stencil of a row. The lines together have as many nodes as the band.
- * - reduced_check_exits: the exits of the states lie in the band, since tables are updated node by
- *   node along the band. */
+/* Check a band and the exits of states, which were read from the file `path`. Error: EHD_DATA.
+ * - reduced_check_band checks that on each grid line the range of the exit lies inside the band,
+ *   with space for the stencil of a row. It also checks that the numbers of nodes on the lines add
+ *   up to the number of nodes of the band.
+ * - reduced_check_exits checks that the exits of the states lie in the band, because tables are
+ *   updated node by node along the band. */
 ehd_status reduced_check_band(const reduced_model *model, const char *path, ehd_error *error);
 ehd_status reduced_check_exits(const reduced_model *model, const reduced_states *states,
                                const char *path, ehd_error *error);
 
-/* Sets the stencils and gaps of a set of rows, whose needed nodes are already listed. For the
- * selected rows it also sets the indices of the nodes around the centre. EHD_MEMORY. */
+/* Sets the stencils and gaps of a set of rows. Its needed nodes must already be listed. For the
+ * selected rows it also sets the indices of the nodes around the centre. Errors: EHD_MEMORY. */
 ehd_status reduced_model_place_rows(reduced_model *model, row_set *set, ehd_error *error);
 
-/* Computes the tables that follow from the others (stencils, kernel, left sides, checkpoints), as
- * the last step of building or reading a model. Control rows may be added later, by a step of their
- * own. */
+/* reduced_model_complete computes the tables that follow from the other tables (stencils, kernel,
+ * left sides, checkpoints). This is the last step of building or reading a model.
+ * reduced_model_complete_control does the same for control rows, which may be added later. */
 ehd_status reduced_model_complete(reduced_model *model, ehd_error *error);
 ehd_status reduced_model_complete_control(reduced_model *model, ehd_error *error);
 
@@ -275,18 +291,20 @@ typedef struct grid_position {
 } grid_position;
 grid_position reduced_model_position(const reduced_model *model, size_t node);
 
-/* Checks whether a grid line has nodes in the band. Only boundary lines have none. */
+/* Checks whether a grid line has nodes in the band. Only boundary lines have no nodes in it. */
 bool reduced_model_has_band(const reduced_model *model, size_t line);
 
-/* Returns the selected row that is nearest to a node, among the rows with `influence`, [rows],
- * other than 0. `influence` NULL: among all rows. Returns 0 if there is no such row. */
+/* Returns the index of the selected row that is nearest to a node. Rows whose `influence`, [rows],
+ * is 0 are ignored. If `influence` is NULL, no row is ignored. Returns 0 if all rows are
+ * ignored. */
 size_t reduced_model_nearest_row(const reduced_model *model, size_t node, const double *influence);
 
 /* Returns the index of a node of the band among the band's nodes. */
 size_t reduced_model_band_index(const reduced_model *model, size_t node);
 
-/* Adds deflections at `num_at` neighbouring nodes from `at` on. They are caused by the pressure,
- * times `sign`, at `count` nodes of `line` from column `first` on. */
+/* Adds the deflections that pressures on one grid line cause at `num_at` neighbouring nodes from
+ * `at` on. The pressures lie at `count` nodes of grid line `line`, from column `first` on, and are
+ * multiplied by `sign`. */
 void reduced_model_deflect(
     // in and out:
     double *film, // [num_at]

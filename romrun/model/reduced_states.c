@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Holds the training states of a basis and compares contacts with them. The unknowns are those of
+/* Holds the training states of a basis and compares contacts with them. The unknowns are defined in
  * Maier et al. (2015), eqs. 24 and 26.
  * Called by podbuild and deimselect, by romrun/calibrate, and by reduced_build.c and
  * model_read.c. */
@@ -67,7 +67,7 @@ static bool is_same(double left, double right) {
     return fabs(left - right) <= ROUNDING * fmax(fabs(left), fabs(right));
 }
 
-/* Compares two lubricants. Two unknown rises count as equal. */
+/* Compares two lubricants. An unknown rise counts as equal to any other. */
 static bool is_same_lubricant(const lubricant_rises *left, const lubricant_rises *right) {
     bool same = true;
 

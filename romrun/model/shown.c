@@ -12,7 +12,7 @@ shown_lubricant shown_of(const ehd_contact *contact, bool in_time) {
                              in_time};
 }
 
-/* Columns of numbers: alpha p_H and the rises. */
+/* Number of datasets with real numbers: alpha p_H and the rises. */
 enum { NUM_COLUMNS = 1 + NUM_RISES };
 
 static const char *name_of(int column) {

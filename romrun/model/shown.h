@@ -12,8 +12,8 @@
 /* The lubricant of a scene or trajectory of the calibration. */
 typedef struct shown_lubricant {
     double alpha_p_H;
-    lubricant_rises rises; // rises to the Hertz pressure
-    int64_t in_time;       // 1: of a trajectory, 0: of a stationary scene
+    lubricant_rises rises; // rises of viscosity and density up to the Hertz pressure
+    int64_t in_time;       // 1: lubricant of a trajectory, 0: lubricant of a stationary scene
 } shown_lubricant;
 
 typedef struct shown_lubricants {
@@ -23,11 +23,12 @@ typedef struct shown_lubricants {
 
 shown_lubricant shown_of(const ehd_contact *contact, bool in_time);
 
-/* Writes the lubricants to a model file that has none yet. EHD_MEMORY, EHD_IO. */
+/* Writes the lubricants to a model file that has no such lubricants yet. Errors: EHD_MEMORY,
+ * EHD_IO. */
 ehd_status shown_put(artefact *file, const shown_lubricants *shown, ehd_error *error);
 
-/* Reads the lubricants of a model file; `count` 0 if the file has none. free() the array `of`.
- * EHD_DATA, EHD_MEMORY. */
+/* Reads the lubricants of a model file. If the file has no such lubricants, `count` is 0. The
+ * caller frees the array `of` with free(). Errors: EHD_DATA, EHD_MEMORY. */
 ehd_status shown_get(shown_lubricants *shown, artefact *file, ehd_error *error);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Declares the size of a model in use. The first modes and rows of a model are a model
+/* Declares the size of a model in use. The first modes and rows of a model form a smaller model
  * (romrun/calibrate/README.md, Calibration and the accuracy dial).
  * Included by model_file.h, by trade_file.h and by romrun/online/online.h. */
 #ifndef EHD_SIZES_H
@@ -7,7 +7,8 @@
 
 #include <stddef.h>
 
-/* How many of a stored model's modes and rows are used, from the first one on; 0: all. */
+/* Numbers of modes and rows of a stored model that are used, beginning with the first mode and row.
+ * 0: all modes or rows are used. */
 typedef struct model_sizes {
     size_t pressure_modes, deformation_modes, rows;
 } model_sizes;

@@ -9,7 +9,7 @@
 
 // ---- tables
 
-/* Lists the needed nodes behind X = 0, which are the last ones. */
+/* Finds the needed nodes behind X = 0. They are the last nodes of the ascending list. */
 static void list_nodes(start_shift *self, const reduced_model *model) {
     const row_set *rows = &model->rows;
 
@@ -50,9 +50,9 @@ static double curvature_at(const double *x, const double *pressure, size_t q) {
            (before + after);
 }
 
-/* Returns the X where the pressure is most curved: the tip of a spike, or of its remainder. A
- * parabola through the largest curvature at a node and the curvatures at its neighbours has its
- * maximum there. */
+/* Returns the X at which the pressure is most curved. This is the tip of a spike, or of what
+ * remains of a spike. The result is the maximum of the parabola through the largest curvature at a
+ * node and the curvatures at the neighbours of this node. */
 static double place_of_spike(const double *x, const double *pressure, size_t num) {
     size_t best = 1;
 
@@ -67,8 +67,8 @@ static double place_of_spike(const double *x, const double *pressure, size_t num
     return fall_left + fall_right > 0 ? x[best] + fmin(fmax(place, -left), right) : x[best];
 }
 
-/* Computes (V^T V)^-1 V^T, the coordinates that fit pressures at the needed nodes by least squares.
- * Keeps the columns of the nodes behind X = 0. */
+/* Computes the matrix (V^T V)^-1 V^T, which gives the coordinates that fit pressures at the needed
+ * nodes by least squares. Keeps the columns of the nodes behind X = 0. */
 static bool fill_fit(start_shift *self, const reduced_model *model, double *gram) {
     const size_t n = model->num_pressure;
     const double *modes = model->rows.pressure;
@@ -101,7 +101,8 @@ static double point_of(const start_shift *self, double x, double spike) {
     return (x < spike ? x / spike : 1 + x - spike) / self->spacing;
 }
 
-/* A place in a profile, for the cubic of values and slopes at the points k and k + 1. */
+/* A place in a profile between the points k and k + 1, with the weights of the cubic through values
+ * and slopes at both points. */
 typedef struct profile_place {
     size_t k;
     double weight[4]; // weights of value and slope at k, then at k + 1
@@ -122,8 +123,8 @@ static inline double profile_at(const start_shift *self, size_t s, const profile
 }
 
 /* Fills the profile of a state: pressure and slope along the coordinate. Then replaces `pressure`
- * by the values of the profile at the nodes, so that a state whose spike does not move is not
- * changed at all. */
+ * by the values of the profile at the nodes, so that start_shift_apply does not change a state
+ * whose spike does not move. */
 static void fill_profile(start_shift *self, size_t s, double *slope) {
     double *pressure = self->pressure + s * self->num_nodes;
     double *profile = self->profile + 2 * s * self->num_points;
@@ -169,7 +170,8 @@ static bool allocate(start_shift *self, const reduced_model *model, arena *memor
 
 ehd_status start_shift_build(reduced_model *model, ehd_error *error) {
     // Smallest number of nodes behind X = 0 between which pressures are interpolated
-    // (romrun/solve/README.md, Starts). With 1 the results of test_start_shift.c are the same.
+    // (romrun/solve/README.md, Starts). If this number is 1, the results of test_start_shift.c are
+    // the same.
     const size_t least_nodes = 4;
     const size_t n = model->num_pressure;
     start_shift *self = &model->shift;
@@ -182,7 +184,7 @@ ehd_status start_shift_build(reduced_model *model, ehd_error *error) {
     if (self->num_nodes == 0) return EHD_OK;
     // the grid does not resolve details below half of its step
     self->spacing = model->grid.step / 2;
-    // the longest profile is that of a spike at X = 0; it ends at the last node
+    // a profile is longest if the spike is at X = 0; the profile ends at the last needed node
     const size_t last = model->rows.needed_node[model->rows.num_needed - 1];
     self->num_points = (size_t)((1 + grid_x(&model->grid, last)) / self->spacing) + 2;
     double *gram = arena_array(&work, n * n, sizeof(double));

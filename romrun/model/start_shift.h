@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes starts with a single spike (romrun/solve/README.md, Spikes). A weighted sum of
- * pressures whose spikes lie at different places has many small spikes. Here the pressures are
- * added along a coordinate that puts all spikes at the same place: 0 at X = 0, 1 at the spike, and
- * from there on in half widths.
- * Called by reduced_model.c when a model is completed, and by guess.c for each start. */
+/* Computes initial states with a single pressure spike (romrun/solve/README.md, Spikes). A weighted
+ * sum of pressures whose spikes lie at different places has many small spikes. Here the pressures
+ * are added along a coordinate in which all spikes lie at the same place. The coordinate is X
+ * divided by the X of the spike between X = 0 and the spike. Behind the spike it is 1 plus the
+ * distance from the spike in half widths.
+ * Called by reduced_model.c when a model is completed, and by guess.c for each initial state. */
 #ifndef EHD_START_SHIFT_H
 #define EHD_START_SHIFT_H
 
@@ -11,7 +12,7 @@
 
 /* Fills model->shift from the states and from the bases at the needed nodes. Point contacts and
  * independent bases have no shift: with an independent basis, the deflection would have to follow
- * the shifted pressure. EHD_MEMORY. */
+ * the shifted pressure. Errors: EHD_MEMORY. */
 ehd_status start_shift_build(reduced_model *model, ehd_error *error);
 
 /* Changes the coordinates of a weighted sum of states. The new coordinates fit the sum with aligned

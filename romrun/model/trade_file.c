@@ -33,13 +33,13 @@ static const char *const deviation_fields[NUM_TRADE_QUANTITIES] = {
     "deviation_central_film_thickness", "deviation_minimum_film_thickness",
     "deviation_central_pressure", "deviation_pressure"};
 
-/* A member of trade_position with a dataset of its own: size_t in `counts`, double in the other
- * lists. */
+/* A member of trade_position with a dataset of its own. Members in `counts` are size_t, members in
+ * the other lists are double. */
 typedef struct column {
     const char *field;
     size_t offset;
-    const char *axis; // axis whose length limits a count of modes or rows; NULL: none
-    bool in_time;     // only if trajectories were measured
+    const char *axis; // axis whose length limits a number of modes or rows; NULL: no such axis
+    bool in_time;     // true: the dataset exists only if trajectories were measured
 } column;
 
 static const column counts[] = {
@@ -64,10 +64,10 @@ static const column reals[] = {
     {"position_step_iterations", offsetof(trade_position, step_iterations), NULL, true},
     {"position_step_seconds", offsetof(trade_position, step_seconds), NULL, true}};
 
-/* Columns of the error estimates, at least 0. Older files may lack all columns but the first. If
- * the factor of the minimum film is missing, it is that of the central film. If the largest
- * residuals are missing, any residual is accepted. If the factors of other quantities are missing,
- * these quantities have no estimate. */
+/* Columns of the error estimates. Their values are at least 0. Older files may lack all columns
+ * except the first one. If the factor of the minimum film is missing, the factor of the central
+ * film is used. If the largest residuals are missing, any residual is accepted. If the factors of
+ * other quantities are missing, these quantities have no estimate. */
 static const column of_indicator[] = {
     {"indicator_factor", offsetof(trade_position, indicator_factor), NULL, false},
     {"indicator_factor_minimum", offsetof(trade_position, indicator_factor_minimum), NULL, false},
@@ -84,8 +84,8 @@ static const column of_indicator[] = {
      false}};
 enum { NUM_OF_INDICATOR = sizeof of_indicator / sizeof *of_indicator };
 
-/* Columns of the error estimates in time. A file has all of them or none. Files before schema 2.9
- * lack the last column, which is then 0. */
+/* Columns of the error estimates in time. A file has all of these columns or none of them. Files
+ * before schema 2.9 lack only the last column, whose values are then 0. */
 static const column in_time[] = {
     {"indicator_factor_in_time", offsetof(trade_position, factor_in_time), NULL, true},
     {"indicator_factor_in_time_minimum", offsetof(trade_position, factor_in_time_minimum), NULL,
@@ -292,8 +292,8 @@ static ehd_status get_of_indicator(trade_table *table, double *values, const col
     return status;
 }
 
-/* Reads the shapes. In a table without shapes the estimate is the factor times the bound. An older
- * table has shapes for all quantities but friction. */
+/* Reads the shapes. If a table has no shapes, the estimate is the factor times the bound. An older
+ * table has shapes for all quantities except friction. */
 static ehd_status get_shapes(trade_table *table, artefact *file, ehd_error *error) {
     const size_t num_bounded = artefact_length(file, "bounded");
     const size_t count = table->num_positions * num_bounded;

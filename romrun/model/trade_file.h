@@ -16,7 +16,8 @@ enum trade_quantity {
     TRADE_CENTRAL_FILM,
     TRADE_MINIMUM_FILM,
     TRADE_CENTRAL_PRESSURE,
-    TRADE_PRESSURE, // largest difference, in Hertz pressures; the others are relative
+    TRADE_PRESSURE, // largest difference at a node, in Hertz pressures; the other differences are
+                    // relative
     NUM_TRADE_QUANTITIES
 };
 enum trade_quantile { TRADE_MEDIAN, TRADE_95, TRADE_WORST, NUM_TRADE_QUANTILES };
@@ -30,50 +31,64 @@ extern const double trade_time_parts[NUM_TIME_PARTS]; // quantiles: 0.5, 0.6, ..
  * indicated_quantity. */
 enum { OF_CENTRAL_FILM, OF_MINIMUM_FILM, OF_OTHERS, NUM_BOUNDED = OF_OTHERS + NUM_INDICATED };
 
-/* Shape of an error estimate. The estimate is a factor times the least of
- *   bound                            one factor for all scenes,
- *   (share + growth bound) bound     a growing factor, as linear influences do not hold far away,
- *   offset + offset_share bound      errors that no residual shows, where exits are nodes. */
+/* Shape of an error estimate. The estimate is a factor times the least of three terms:
+ *   bound                            the factor is the same for all scenes
+ *   (share + growth bound) bound     the factor grows with the bound, since influences are linear
+ *                                    and hold only for small errors
+ *   offset + offset_share bound      for exits at nodes, whose errors no residual contains */
 typedef struct indicator_shape {
     double share, growth;
     double offset, offset_share;
 } indicator_shape;
 
-/* The shape of an estimate that is the factor times the bound. */
+/* The shape for which the estimate is the factor times the bound. */
 extern const indicator_shape plain_shape;
 
 /* Returns the error estimate that belongs to a bound. NaN and infinite bounds are returned
  * unchanged. */
 double trade_indicated(double factor, indicator_shape shape, double bound);
 
-/* One model size, with accuracy and time on the scenes that it solved (NaN: none). */
+/* One model size, with the accuracy and time on the scenes that the model solved with this size.
+ * The values are NaN if it solved no scene. */
 typedef struct trade_position {
-    model_sizes sizes; // only deformation_modes of a coupled basis is 0
+    model_sizes sizes; // all numbers are above 0, except deformation_modes of a coupled basis
     double deviation[NUM_TRADE_QUANTITIES][NUM_TRADE_QUANTILES];
     double mean_iterations, max_iterations; // Newton iterations of a scene
     double seconds;                         // median time of a solution
-    size_t num_failures;                    // scenes that did not converge or are not trusted
+    size_t num_failures;                    // number of scenes whose solution did not converge or
+                                            // is not trusted
     // error estimates of the films
-    double indicator_factor; // central film; 0: not calibrated, the members below are unknown
-    double indicator_factor_minimum;     // minimum film
-    double indicated[NUM_TRADE_PARTS];   // quantiles, over all scenes, of the larger estimate of
-                                         // both films; infinite: not solved
-    double effectivity[NUM_TRADE_PARTS]; // ratio of estimate to error, the smaller one of both
-                                         // films
-    double largest_residual;             // residual of the least squares; infinite: not known
-    double other_factor[NUM_INDICATED];  // factors of the other quantities; 0: not known
-    indicator_shape shape[NUM_BOUNDED];  // shapes of the estimates; the factors above multiply them
-    // trajectories that were repeated with the steps of the full model
-    double worst_in_time[TRADE_PRESSURE]; // largest error over all steps; without TRADE_PRESSURE
+    double indicator_factor; // factor of the error estimate of the central film; 0: this size was
+                             // not calibrated, and the members below are unknown
+    double indicator_factor_minimum;     // factor of the error estimate of the minimum film
+    double indicated[NUM_TRADE_PARTS];   // quantiles, over all scenes, of the larger one of the
+                                         // estimates of both films; a scene that is not solved has
+                                         // an infinite estimate
+    double effectivity[NUM_TRADE_PARTS]; // quantiles of the ratio of estimate to error; of both
+                                         // films the smaller ratio
+    double largest_residual;             // largest residual of the least squares; infinite: the
+                                         // residual is not known
+    double other_factor[NUM_INDICATED];  // factors of the error estimates of the other quantities;
+                                         // 0: the factor is not known
+    indicator_shape shape[NUM_BOUNDED];  // shapes of the error estimates of both films and of the
+                                         // other quantities; each is multiplied by the factor of
+                                         // its quantity
+    // results on trajectories, which the reduced model solved with the time steps of the full model
+    double worst_in_time[TRADE_PRESSURE]; // largest error of a quantity over all steps; there is no
+                                          // entry for TRADE_PRESSURE
     double step_iterations, step_seconds; // means over steps
-    double factor_in_time;         // factor of the central film's estimate; 0: not calibrated
-    double factor_in_time_minimum; // factor of errors that arise at the minimum film
-    double floor_in_time;          // added to the estimate of the central film; 0 before schema 2.9
+    // factor of the error estimate of the central film in a transient run; 0: this size was not
+    // calibrated on trajectories
+    double factor_in_time;
+    double factor_in_time_minimum; // factor of the errors that arise where the film is lowest
+    double floor_in_time;          // added to the estimate of the central film; 0 in files before
+                                   // schema 2.9
     double floor_in_time_minimum;  // added to the estimate of the minimum film
-    // quantiles, over the trajectories, of the largest estimate of both films; a lost trajectory
-    // has the estimate 1
+    // quantiles, over the trajectories, of the largest estimate of both films. A trajectory with a
+    // step that did not converge or is not trusted has the estimate 1
     double indicated_in_time[NUM_TIME_PARTS];
-    size_t num_lost; // trajectories with a step that did not converge or is not trusted
+    size_t num_lost; // number of lost trajectories, which have a step that did not converge or is
+                     // not trusted
 } trade_position;
 
 typedef struct trade_table {
@@ -85,21 +100,22 @@ typedef struct trade_table {
 
 void trade_free(trade_table *table);
 
-/* Axes that a calibration adds to a model, for artefact_copy to leave out; ends with NULL. */
+/* Axes that a calibration adds to a model file. artefact_copy has to omit these axes when a model
+ * is calibrated again. The list ends with NULL. */
 extern const char *const trade_axes[];
 
-/* Adds the table to a model file that has none. */
+/* Adds the table to a model file that has no table. */
 ehd_status trade_write(artefact *file, const trade_table *table, ehd_error *error);
 
-/* Reads the table of a model file. EHD_DATA also if the model is not calibrated, or does not have
- * the sizes in the table. */
+/* Reads the table of a model file. EHD_DATA is returned also if the model is not calibrated, or is
+ * smaller than a size in the table. */
 ehd_status trade_read(
     // output:
     trade_table *table, // free with trade_free
     // input:
     const char *path, ehd_error *error);
 
-/* Reads the table of an open model file. *calibrated false: the file has no table. */
+/* Reads the table of an open model file. If the file has no table, *calibrated is false. */
 ehd_status trade_get(trade_table *table, bool *calibrated, artefact *file, ehd_error *error);
 
 #endif

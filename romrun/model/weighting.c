@@ -32,15 +32,17 @@ ehd_status weighting_plain(double *factors, const double *sampled, size_t num_ro
 }
 
 /* Solves min w^T C w / 2 - g^T w with w >= min_weight by projected Gauss-Seidel, which converges
- * since the problem is convex. On the examples' models, the sweeps after the tenth change the worst
- * film by less than 1 % of its error. The loop ends after 20 to 600 sweeps; one selection (112 rows
- * of a line contact, method `exits`) would take 5000. w: start and solution. `slope`: C w - g, kept
- * up to date, so that rows that stay at the bound cost nothing. */
+ * because the problem is convex. On the examples' models, the sweeps after the tenth change the
+ * error of the worst film by less than 1 %. The loop ends after 20 to 600 sweeps. Only one
+ * selection (112 rows of a line contact, method `exits`) would take 5000 sweeps. `w`: initial
+ * values, then the solution. `slope`: C w - g, which is updated only when a weight changes, so that
+ * rows that stay at the bound cost nothing. */
 static void solve_bounded(double *w, double *slope, const double *matrix, size_t size,
                           double min_weight) {
-    // enough: change of a weight over the largest weight at which the sweeps end. max_sweeps: their
-    // largest number. With 0.1, or with two sweeps, the result is not the minimum
-    // (test_weighting.c, weights_are_those_of_the_minimum).
+    // `enough`: the sweeps end when the largest change of a weight, divided by the largest weight,
+    // is at most this number. `max_sweeps`: largest number of sweeps. If `enough` is 0.1, or if
+    // there are only two sweeps, the result is not the minimum (test_weighting.c,
+    // weights_are_those_of_the_minimum).
     const double enough = 1e-6;
     const size_t max_sweeps = 2000;
     double change = INFINITY, largest = 0;
@@ -62,9 +64,9 @@ static void solve_bounded(double *w, double *slope, const double *matrix, size_t
 
 ehd_status weighting_quadrature(double *factors, const double *sampled, size_t num_rows,
                                 size_t num_modes, ehd_error *error) {
-    // Smallest weight. It is above 0, since a row is needed when the exit deactivates other rows.
-    // With 1e-6 to 0.2 the worst error is the same in four digits (test_weighting.c,
-    // weights_stay_positive).
+    // Smallest weight. It is above 0, because every row is needed when the exit deactivates other
+    // rows. Every smallest weight from 1e-6 to 0.2 gives the same worst error, in four digits
+    // (test_weighting.c, weights_stay_positive).
     const double min_weight = 0.05;
     double *gram = malloc(num_rows * num_rows * sizeof *gram);
     double *slope = malloc(num_rows * sizeof *slope);
@@ -76,7 +78,10 @@ ehd_status weighting_quadrature(double *factors, const double *sampled, size_t n
         for (size_t r = 0; r < num_rows; r++)
             add_product(gram + r * num_rows, sampled, num_modes, num_rows, num_modes,
                         sampled + r * num_modes);
-        // <q_r q_r^T, q_s q_s^T> = (q_r . q_s)^2 and <q_r q_r^T, 1> = |q_r|^2
+        // q_r is row r of `sampled`, the modes at the selected rows. The matrix C has the entries
+        // (q_r . q_s)^2, the products <q_r q_r^T, q_s q_s^T>. The vector g has the entries |q_r|^2,
+        // the products of q_r q_r^T with the unit matrix. The weights start at 1, where the slope
+        // is C w - g.
         for (size_t r = 0; r < num_rows; r++) {
             factors[r] = 1;
             slope[r] = -gram[r * num_rows + r];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes weights of the selected rows in the online least squares, besides D
- * (deimselect/README.md, Weights of the rows). The weights belong to a list of rows as a whole, so
- * a part of the list has its own weights. Called by deimselect/row_choice.c, and by model_read.c
+/* Computes weights of the selected rows in the online least squares, in addition to D
+ * (deimselect/README.md, Weights of the rows). The weights hold only for a list of rows as a whole,
+ * so a part of the list needs other weights. Called by deimselect/row_choice.c, and by model_read.c
  * for a part of a model. */
 #ifndef EHD_WEIGHTING_H
 #define EHD_WEIGHTING_H
@@ -11,7 +11,7 @@
 
 /* Computes one positive factor for each row. `sampled`: the leading modes of the weighted Jacobian
  * products at the rows, as many modes as unknowns. Over all nodes these modes are orthonormal.
- * EHD_MEMORY. */
+ * Errors: EHD_MEMORY. */
 typedef ehd_status weighting_function(
     // output:
     double *factors, // [num_rows]

@@ -67,8 +67,8 @@ ehd_status frame_tangent_slow(contact_scalars *found, double *bound, reduced_tan
     const ehd_status status =
         reduced_tangent_slow(&slow, bound, tangent, change, here.contact, &motion, error);
     if (status) return status;
-    // approach and load are linear in the coordinates, except for the small load beyond a point
-    // contact's grid
+    // The difference over a distance of 1 is the derivative, because approach and load are linear
+    // in the coordinates. Only the small load beyond a point contact's grid is not linear.
     const frame_quantities behind = quantities_at(tangent, &slow, 0.5, &here, at, reference);
     const frame_quantities before = quantities_at(tangent, &slow, -0.5, &here, at, reference);
     *bound *= at->film_scale;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes derivatives of a contact's results by its conditions. The results are in the reference
- * frame. The derivatives follow by the chain rule through the frame, which scales with load, radius
- * and modulus (romrun/library/README.md, The tangent). Called by online_derivatives.c for
+ * frame. The contact's own frame scales with load, radius and modulus, so the derivatives follow
+ * from the chain rule (romrun/library/README.md, The tangent). Called by online_derivatives.c for
  * derivatives and responses. */
 #ifndef EHD_FRAME_TANGENT_H
 #define EHD_FRAME_TANGENT_H
@@ -9,8 +9,8 @@
 #include "common/time/frame.h"
 #include "romrun/online/reduced_tangent.h"
 
-/* Returns the equations in a frame. `side` (0 or 1) selects the work memory that the function may
- * use. */
+/* A function that returns the equations in a frame, and its context. `side` (0 or 1) selects the
+ * work memory that the function may use. */
 typedef struct frame_equations {
     void *context;
     reduced_equations (*in_frame)(void *context, const contact_frame *frame, ehd_contact *contact,
@@ -32,7 +32,8 @@ ehd_status frame_linearise(
     bool exit_at_node, ehd_error *error);
 
 /* Computes derivatives by a parameter from two frames whose parameters differ by `distance`. The
- * equations are linearised at the mean frame. Also fills `change`. */
+ * equations must have been linearised at the mean frame. `change`: change of the solution per unit
+ * of the parameter. */
 ehd_status frame_tangent(
     // output:
     frame_quantities *derivatives, reduced_change *change,
@@ -47,7 +48,7 @@ ehd_status frame_tangent(
 ehd_status frame_tangent_slow(
     // output:
     contact_scalars *slow, // rigid_approach and load in the reference frame
-    double *bound,         // bound of the approach (reduced_tangent_slow)
+    double *bound,         // bound of the error of the approach (reduced_tangent_slow)
     // in and out:
     reduced_tangent *tangent,
     // input:

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Solves scenes online, as programs call it: open a model once, solve many scenes (README.md).
+/* The interface of the online solver: open a model once, then solve many scenes (README.md).
  * Called by romrun/main.c, and by the folders library, fmu and calibrate of romrun.
  *
  *     online_model *model = NULL;
@@ -16,14 +16,15 @@
  *         online_solve(&result, solver, &contact, &error))      // as often as wanted
  *         fprintf(stderr, "%s\n", error.text);
  *
- * If the model does not solve a contact well, `status` and `reason` of the result or step report
- * it. The solver then tries nothing else; the caller decides. For example, fallback_solve
- * (romrun/calibrate/fallback.h) solves the contact with the full model, from the last solution.
+ * If a solution is not converged or not trusted, `status` and `reason` of the result or step report
+ * this. The solver then tries nothing else, and the caller decides what to do. For example,
+ * fallback_solve (romrun/calibrate/fallback.h) solves the contact with the full model and starts
+ * from the last solution.
  *
  * There is no global state. Open and prepare models in one thread at a time, because HDF5 is not
- * thread-safe. Afterwards any number of solvers in as many threads may share a model. They call
- * neither HDF5 nor FFTW, which may end the process if memory is refused. Opening a model switches
- * off HDF5's messages and its filter plugins in the process. */
+ * thread-safe. Afterwards any number of solvers in as many threads may share a model. Solvers call
+ * neither HDF5 nor FFTW, because these libraries may end the process if an allocation fails.
+ * Opening a model switches off HDF5's messages and its filter plugins in the process. */
 #ifndef ONLINE_H
 #define ONLINE_H
 
@@ -57,21 +58,23 @@ typedef struct online_properties {
     size_t pressure_modes, deformation_modes; // numbers in use
     size_t unknowns;                          // number of unknowns of the reduced system
     size_t rows;                              // number of selected Reynolds rows in use
-    size_t needed_nodes;                      // nodes in the rows' stencils and around X = 0
+    size_t needed_nodes;                      // number of nodes in the stencils of the rows and
+                                              // around X = 0
     size_t states;                            // number of training solutions
     size_t parts; // number of models for parts of a region; the numbers above are those of the
                   // largest part
-    // true: the sizes in use were calibrated (deimselect, romrun calibrate); checked: on
-    // stationary scenes, checked_in_time: on trajectories. Otherwise no error is estimated, and a
-    // result with EHD_OK may have any error.
+    // true: the sizes in use were calibrated by deimselect or romrun calibrate, on stationary
+    // scenes (`checked`) or on trajectories (`checked_in_time`). Otherwise no error is estimated,
+    // and a result with EHD_OK may have any error.
     bool checked, checked_in_time;
 } online_properties;
 
 /* One solution. Numbers are dimensionless unless a unit is given. */
 typedef struct online_result {
-    // EHD_OK. EHD_NOT_CONVERGED, also for a pressure that is impossible in a contact.
-    // EHD_UNTRUSTED: solved, but outside of the trained range, or with so large a residual or so
-    // many iterations that the solution is probably false.
+    // EHD_OK: the contact is solved. EHD_NOT_CONVERGED: the iteration did not converge, or a
+    // pressure is impossible in a contact. EHD_UNTRUSTED: the iteration converged, but the contact
+    // lies outside of the trained range, or the residual or the number of iterations is so large
+    // that the solution is probably false.
     ehd_status status;
     const char *reason;      // reason of a status other than EHD_OK, or ""; valid until the next
                              // solution
@@ -82,13 +85,15 @@ typedef struct online_result {
     size_t iterations;
     double residual;          // norm of the weighted least-squares residual
     double bound;             // bound of the relative error of the central film, without its factor
-    double bound_minimum;     // the same for the minimum film
-    double indicated;         // estimated relative error of the central film; NaN: not calibrated
-    double indicated_minimum; // the same for the minimum film
+    double bound_minimum;     // bound of the relative error of the minimum film, without its factor
+    double indicated;         // estimated relative error of the central film; NaN: the model is not
+                              // calibrated
+    double indicated_minimum; // estimated relative error of the minimum film; NaN: the model is not
+                              // calibrated
     double seconds;           // total time; the next three times are included
     double seconds_rows;      // rows and reduced Jacobian
     double seconds_linear;    // least squares
-    double seconds_exit;      // exit boundary and its updates
+    double seconds_exit;      // search for the exit boundary, and updates after it has moved
 } online_result;
 
 /* Numbers of modes and rows of a model or, for a list, of each of its files. */
@@ -98,12 +103,13 @@ typedef struct part_sizes {
 
 /* Opens a model (HDF5 or flat file), or a list of models for parts of a region (schemas/models.md).
  * With a list, the part in whose trained range a contact lies deepest solves it. `sizes` NULL: the
- * whole model. A flat model has only its own sizes. Errors: EHD_NOINPUT, EHD_DATA, EHD_MEMORY. */
+ * whole model. A flat model can only be opened with its own sizes. Errors: EHD_NOINPUT, EHD_DATA,
+ * EHD_MEMORY. */
 ehd_status online_open(online_model **model, const char *path, const part_sizes *sizes,
                        ehd_error *error);
 online_model *online_close(online_model *model); // accepts and returns NULL
 
-/* Replaces, in each part, the list of lubricants on which the error estimates were calibrated by
+/* Sets the list of lubricants on which the error estimates are calibrated, in each part, to
  * `shown`. Call it before a calibration on these lubricants, and before any solver is created.
  * Errors: EHD_MEMORY. */
 ehd_status online_show(online_model *model, const shown_lubricants *shown, ehd_error *error);
@@ -115,8 +121,8 @@ ehd_status online_show(online_model *model, const shown_lubricants *shown, ehd_e
 void online_release_file(online_model *model);
 online_properties online_describe(const online_model *model);
 
-/* Returns NULL if the sizes in use were calibrated. Otherwise returns why no result is trusted
- * (`in_time`: in time). */
+/* Returns NULL if the sizes in use were calibrated; with `in_time`, on trajectories. Otherwise
+ * returns the reason why no result is trusted. */
 const char *online_unchecked(const online_properties *model, bool in_time);
 
 /* Checks whether a file begins like a flat model. Errors: EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
@@ -132,11 +138,12 @@ ehd_status online_export(online_model *model, const char *path, bool force, ehd_
  * discretisation. */
 const contact_kind *online_kind(const online_model *model);
 const ehd_grid *online_grid(const online_model *model);
-/* Returns the grid of the part that solves a stationary contact. Among the parts with the grid that
- * the contact gives, it is the part in whose trained range the contact lies deepest. */
+/* Returns the grid of the part that solves a stationary contact. If some parts have the grid that
+ * the contact gives, the choice is among these parts only. The part in whose trained range the
+ * contact lies deepest solves the contact. */
 const ehd_grid *online_grid_for(const online_model *model, const ehd_contact *contact);
-/* Checks whether the model solves contacts in time. The discretisation must allow it, and all parts
- * must be on one grid. EHD_DATA: it does not; the text gives the reason. */
+/* Checks whether the model can solve transient contacts. The discretisation must allow this, and
+ * all parts must have the same grid. EHD_DATA: the model cannot; the text gives the reason. */
 ehd_status online_check_in_time(const online_model *model, ehd_error *error);
 /* Returns the path from which the model was opened. */
 const char *online_path(const online_model *model);
@@ -154,10 +161,10 @@ online_solver *online_solver_free(online_solver *solver); // accepts and returns
 void online_solver_set_tolerance(online_solver *solver, double tolerance);
 
 /* Solves one contact, starting from the trained solutions. result->status reports a solution that
- * is not converged or not trusted. The grid is the model's, even if M and L would give another
- * default grid. Returns EHD_OK, or EHD_DATA if grid, discretisation or boundary of the scene differ
- * from the model's. A scene that names no discretisation has the accurate one; a model of a version
- * before 0.3.0 has the published one. */
+ * is not converged or not trusted. The solution is on the model's grid, even if M and L would give
+ * another default grid. Returns EHD_OK, or EHD_DATA if grid, discretisation or boundary of the
+ * scene differ from the model's. A scene that names no discretisation has the accurate
+ * discretisation. A model of a version before 0.3.0 has the published discretisation. */
 ehd_status online_solve(online_result *result, online_solver *solver, const ehd_contact *contact,
                         ehd_error *error);
 
@@ -180,24 +187,25 @@ typedef struct online_indications {
 online_indications online_indicate(online_solver *solver, const ehd_contact *contact);
 
 /* Returns the estimated error of the largest pressure of the last solution, in Hertz pressures.
- * NaN: not calibrated. At a spike this error is about the estimate of the pressure from
- * online_indicate. The call takes no longer than the estimate of a film. */
+ * NaN: the model is not calibrated. At a pressure spike this estimate is about as large as the
+ * estimate of the pressure from online_indicate. The call takes no longer than the estimate of a
+ * film. */
 double online_indicate_peak(online_solver *solver);
 
-/* Returns error estimates of central and minimum film due to the grid of the model's training: by
- * its step, and by the length of its inlet. A solution of the model does not show these errors. The
- * estimates are interpolated between those of the training points (film_effects.h). NaN: the model
- * has no estimates. Infinite: the grid is too coarse for an estimate. Takes about ten microseconds.
- * Any number of threads may call it. */
+/* Returns estimates of the errors of central and minimum film that the grid of the model's training
+ * causes, by its step and by the length of its inlet. A solution of the model does not show these
+ * errors. The estimates are interpolated between the estimates of the training points
+ * (film_effects.h). NaN: the model has no estimates. Infinite: the grid is too coarse for an
+ * estimate. The call takes about ten microseconds. Any number of threads may call this function. */
 film_effects online_effects(const online_model *model, const ehd_contact *contact);
 
-/* Returns whether the model computes tractions as sums over few nodes. Models trained with this
- * version do. */
+/* Returns whether the model computes tractions as sums over few nodes. This holds for models that
+ * were trained with this version. */
 bool online_has_traction(const online_model *model);
 
 /* Returns the traction of the last solution, or NaN for all values if the solution did not
- * converge. The model must have traction. Allocates nothing, and its cost does not grow with the
- * grid. `contact`: the contact of the last online_solve, with sliding. */
+ * converge. The model must have traction. The call allocates nothing, and its cost does not grow
+ * with the grid. `contact`: the contact of the last online_solve, with sliding. */
 contact_traction online_traction(online_solver *solver, const ehd_contact *contact);
 
 /* Return the bound of the relative error of a friction force from online_traction, and the error
@@ -215,19 +223,19 @@ ehd_status online_prepare_fields(online_model *model, ehd_error *error);
 /* Returns the grid of the last solution. */
 const ehd_grid *online_solved_grid(const online_solver *solver);
 
-/* Computes P and H of the last solution on the whole grid, [num_nodes] with boundary nodes; on a
- * half grid the nodes of this half. Of all calls for stationary contacts, only the cost of this one
- * grows with the grid. Any number of threads may call it, each with its own solver. EHD_INTERNAL:
- * neither fields nor transient scenes are prepared. */
+/* Computes P and H of the last solution on the whole grid, [num_nodes] including boundary nodes; on
+ * a half grid, only the nodes of this half. This is the only call for stationary contacts whose
+ * cost grows with the grid. Any number of threads may call it, each with its own solver.
+ * EHD_INTERNAL: neither fields nor transient scenes are prepared. */
 ehd_status online_fields(double *pressure, double *film, const online_solver *solver,
                          ehd_error *error);
 
 /* Writes X of the last solution's exit on each of the num_lines grid lines. */
 void online_exits(double *positions, const online_solver *solver);
 
-// ---- in time: a contact whose load, speed, radius or modulus vary
+// ---- transient contacts: load, speed, radius or modulus vary
 
-/* A contact in time, for an external integrator:
+/* A transient contact, for an external integrator:
  *
  *     online_prepare_transient(model, &error);                            // once
  *     online_transient_create(&contact_in_time, model, &contact, &error); // once per contact
@@ -246,9 +254,9 @@ typedef struct online_transient online_transient;
 
 /* Conditions at the end of a step, relative to the reference. */
 typedef struct online_conditions {
-    /* If the approach is NaN: the given load. Otherwise the load is an outcome, and this member is
-     * an estimate of the load that scales the frame; NaN: estimate extrapolated from the last
-     * steps. */
+    /* If the approach is NaN, this is the given load. Otherwise the load is an outcome, and this
+     * member is an estimate of the load that scales the frame. NaN: the estimate is extrapolated
+     * from the last steps. */
     double load;
     /* H0 in the reference frame; NaN: the load is given. For a line contact H0 is measured from
      * approach_length, which has to lie outside of the pressurised zone (else EHD_DATA). */
@@ -265,9 +273,10 @@ typedef struct online_state {
                              // reference load
     double half_width;       // half width of the frame, relative to the reference; 0: bodies apart
     double local_error;      // error that this step causes in the film, relative to the central
-                             // film; 0: not known yet
-    // Estimated relative errors of the films, compared with the full model with the same steps. The
-    // fluid carries an error along until it has left the contact. NaN: not calibrated in time.
+                             // film; 0: the error is not known yet
+    // Estimated relative errors of the films, compared with the full model with the same steps. An
+    // error stays in the film until the fluid has left the contact. NaN: the model is not
+    // calibrated on trajectories.
     double indicated, indicated_minimum;
     size_t iterations;
     double residual;
@@ -277,7 +286,7 @@ typedef struct online_state {
  * thread at a time. */
 ehd_status online_prepare_transient(online_model *model, ehd_error *error);
 
-/* Creates a contact in time. The model must outlive it. EHD_DATA: the grid or discretisation
+/* Creates a transient contact. The model must outlive it. EHD_DATA: the grid or discretisation
  * differs; EHD_INTERNAL: the model is not prepared; EHD_MEMORY. */
 ehd_status online_transient_create(online_transient **transient, const online_model *model,
                                    const ehd_contact *reference, ehd_error *error);
@@ -297,9 +306,10 @@ void online_transient_allow_short_steps(online_transient *transient);
 ehd_status online_transient_start(online_state *state, online_transient *transient,
                                   const online_conditions *conditions, ehd_error *error);
 
-/* Solves the state that is `step` (in T) after the last accepted one. Allocates memory (EHD_MEMORY)
- * only if another part of the model takes the contact over; the cost of this grows with the grid.
- * EHD_DATA as in online_transient_start; EHD_INTERNAL: neither started nor restored. */
+/* Solves the state that is `step` (in T) after the last accepted state. Allocates memory
+ * (EHD_MEMORY) only if another part of the model takes the contact over; the cost of this grows
+ * with the grid. EHD_DATA: as in online_transient_start; EHD_INTERNAL: the contact was neither
+ * started nor restored. */
 ehd_status online_step(online_state *state, online_transient *transient,
                        const online_conditions *conditions, double step, ehd_error *error);
 
@@ -307,8 +317,8 @@ ehd_status online_step(online_state *state, online_transient *transient,
  * accepted. */
 void online_accept(online_transient *transient);
 
-/* Restarts after a jump of the conditions: the next step is of first order and uses the last state
- * alone. */
+/* Restarts the steps after a jump of the conditions: the next step is of first order and uses only
+ * the last state. */
 void online_restart(online_transient *transient);
 
 /* Save the accepted state, [online_saved_size] numbers, and restore it in any object of the same
@@ -324,8 +334,9 @@ ehd_status online_transient_fields(double *pressure, double *film, online_transi
                                    ehd_error *error);
 
 /* Returns the traction of the last attempt, or of the start, in its own frame
- * (online_attempt_frame). It is NaN for a model without traction. `contact` and `scalars` belong to
- * the same frame; the contact slides. The call does not change the following steps. */
+ * (online_attempt_frame). The traction is NaN for a model without traction. `contact` and `scalars`
+ * belong to the same frame, and `contact` has sliding. The call does not change the following
+ * steps. */
 contact_traction online_attempt_traction(online_transient *transient, const ehd_contact *contact,
                                          const contact_scalars *scalars);
 contact_frame online_attempt_frame(const online_transient *transient);
@@ -337,9 +348,9 @@ double online_transient_peak(const online_transient *transient);
 /* Returns the frame of the accepted state. */
 contact_frame online_transient_frame(const online_transient *transient);
 
-/* Returns the part that solved the last step, or the start. A contact stays with its part while it
- * lies in the part's trained range. When it leaves this range, another part takes it over. The
- * error estimates include the error of this transfer. */
+/* Returns the index of the part that solved the last step, or the start. A contact stays with its
+ * part while it lies in the part's trained range. When it leaves this range, another part takes it
+ * over. The error estimates include the error of this transfer. */
 size_t online_transient_part(const online_transient *transient);
 
 /* Return a solver for march_run, and its effort so far in seconds. march_run chooses the steps
@@ -358,17 +369,17 @@ typedef struct online_derivatives {
     // Derivatives of the scalars in the reference frame; a line contact's approach is measured from
     // approach_length. The exit is NaN if only its node is known. minimum_position has no meaning.
     contact_scalars scalars;
-    double peak_pressure; // of the largest pressure at the nodes, in Hertz pressures of the
-                          // reference
+    double peak_pressure; // derivative of the largest pressure at the nodes, in Hertz pressures of
+                          // the reference
     double half_width;
 } online_derivatives;
 
-/* Computes derivatives of the last stationary solution. This solution is the reference: all
- * factors are 1, and the approach is the solution's. `contact`: the contact of the last
- * online_solve; its approach_length is used. The derivatives are exact except for the effect of
- * the residual that least squares leave (romrun/library/README.md). The call takes as long as an
- * iteration. EHD_DATA: the direction is not finite, or approach_length is too short;
- * EHD_INTERNAL: there is no solution. */
+/* Computes derivatives of the last stationary solution. The reference of the direction is this
+ * solution: load, speed, radius and modulus are 1, and the approach is that of the solution.
+ * `contact`: the contact of the last online_solve; its approach_length is used. The derivatives are
+ * exact except for the effect of the residual that least squares leave (romrun/library/README.md).
+ * The call takes as long as an iteration. EHD_DATA: the direction is not finite, or approach_length
+ * is too short; EHD_INTERNAL: there is no solution. */
 ehd_status online_differentiate(online_derivatives *derivatives, online_solver *solver,
                                 const ehd_contact *contact, const online_direction *direction,
                                 ehd_error *error);
@@ -377,20 +388,20 @@ ehd_status online_differentiate(online_derivatives *derivatives, online_solver *
  * dF = -(stiffness + s damping) dH0 for s -> 0, s in 1/T. */
 typedef struct online_response {
     double stiffness, damping;
-    // The least squares leave a residual of the squeeze term. This is its effect on the damping.
-    // For ten models the error of the damping was 2 to 8 times this bound
-    // (romrun/library/README.md).
+    // Effect on the damping of the residual that the least squares leave of the squeeze term. For
+    // ten models the error of the damping was 2 to 8 times this bound (romrun/library/README.md).
     double damping_bound;
 } online_response;
 ehd_status online_respond(online_response *response, online_solver *solver,
                           const ehd_contact *contact, ehd_error *error);
 
-/* Computes derivatives of the last step, not accepted yet, by the conditions at its end. Before the
- * first step: of the start. EHD_INTERNAL: there is neither. */
+/* Computes derivatives of the last step by the conditions at its end. The step must not be accepted
+ * yet. Before the first step, computes derivatives of the start. EHD_INTERNAL: there is neither
+ * such a step nor a start. */
 ehd_status online_transient_differentiate(online_derivatives *derivatives,
                                           online_transient *transient,
                                           const online_direction *direction, ehd_error *error);
-/* Computes the response of the start, as online_respond does. */
+/* Computes the response of the start, as online_respond does for a stationary solution. */
 ehd_status online_transient_respond(online_response *response, online_transient *transient,
                                     ehd_error *error);
 

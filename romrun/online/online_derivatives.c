@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Derivatives of solutions and of steps by the conditions (romrun/library/README.md), by central
- * differences of the residuals (reduced_tangent.h). Called by the library and FMUs through
+/* Computes derivatives of solutions and of steps by the conditions (romrun/library/README.md), from
+ * central differences of the residuals (reduced_tangent.h). Called by the library and FMUs through
  * online.h. */
 #include "romrun/online/online_objects.h"
 
@@ -11,7 +11,7 @@
 typedef struct solved_frame {
     const ehd_contact *reference;
     reduced_state state;
-    online_conditions at; // conditions; the load scales the frame
+    online_conditions at; // conditions of the solution; their load scales the frame
     bool by_approach;     // true: the approach was given, not the load
     bool exit_at_node;
     void (*set_frame)(contact_frame *frame, const void *context,
@@ -25,12 +25,13 @@ typedef struct solved_frame {
 /* Relative distance between the two sets of conditions of a central difference (distance_of).
  * Differences are taken only of the residuals of the rows, at fixed coordinates. The derivatives of
  * central and minimum film by load and speed were computed for the line contact of scenes/examples.
- * With 2e-3 to 2e-5 they change by less than 1e-6, with 2e-2 by 6e-4 and with 2e-7 by 6e-5
- * (test_derivatives.c, derivatives_of_lines_are_those_of_differences). */
+ * Distances of 2e-3 to 2e-5 change these derivatives by less than 1e-6. A distance of 2e-2 changes
+ * them by 6e-4, and a distance of 2e-7 by 6e-5 (test_derivatives.c,
+ * derivatives_of_lines_are_those_of_differences). */
 static const double DISTANCE = 2e-4;
 
-/* Returns how far apart both sets of conditions of a central difference lie, in units of
- * `direction`; 0: the direction is zero. */
+/* Returns the distance between the two sets of conditions of a central difference, as a multiple of
+ * `direction`. Returns 0 if the direction is zero. */
 static double distance_of(const solved_frame *of, const online_direction *direction) {
     const online_conditions *at = &of->at;
     const double rates[] = {
@@ -46,7 +47,7 @@ static double distance_of(const solved_frame *of, const online_direction *direct
     return fastest > 0 ? DISTANCE / fastest : 0;
 }
 
-/* Sets the frame for conditions that lie `distance` along a direction. */
+/* Sets the frame for the solution's conditions plus `distance` times a direction. */
 static void set_frame_at_distance(contact_frame *frame, const solved_frame *of,
                                   const online_direction *direction, double distance) {
     online_conditions at = of->at;
@@ -101,8 +102,8 @@ static frame_pair frames_around(const solved_frame *of, const online_direction *
     return found;
 }
 
-/* Computes derivatives along a direction of the quantity (load or approach) that was given for the
- * solution. */
+/* Computes derivatives along a direction. The direction must prescribe the quantity (load or
+ * approach) that was given for the solution. */
 static ehd_status derivatives_along(frame_quantities *found, const solved_frame *of,
                                     const online_direction *direction, ehd_error *error) {
     const frame_pair frames = frames_around(of, direction);
@@ -121,11 +122,12 @@ static online_direction direction_of_given(const solved_frame *of) {
                            : (online_direction){.load = 1, .approach = NAN};
 }
 
-/* Corrects `found` if the direction prescribes the quantity (load or approach) that was an outcome.
- * Adds a multiple of the derivatives by the given quantity, so that the outcome changes as the
- * direction prescribes. To exchange the closure in the solution's own frame instead would be wrong:
- * a frame that does not follow the load needs pressures that the modes lack. The stiffness would
- * then be 13 % off for the point contact of scenes/examples, and 0.4 % for the line contact. */
+/* Corrects `found` if the direction prescribes the quantity (load or approach) that was an outcome
+ * of the solution. Adds a multiple of the derivatives by the given quantity, so that the outcome
+ * changes as the direction prescribes. It would be wrong to prescribe the outcome in the solution's
+ * own frame instead. If the frame does not follow the load, the change needs pressures that the
+ * modes lack. The stiffness would then be 13 % off for the point contact of scenes/examples, and
+ * 0.4 % for the line contact. */
 static void correct_outcome(frame_quantities *found, const frame_quantities *by_given,
                             const solved_frame *of, const online_direction *direction) {
     const double *add = (const double *)by_given;
@@ -160,9 +162,10 @@ static ehd_status differentiate(online_derivatives *derivatives, const solved_fr
     return EHD_OK;
 }
 
-/* Computes stiffness and damping. Load F and approach H0 vary by 1 + s F1 and A + s H1, so dF/dH0 =
- * 1/A - s (H1 - A F1)/A^2. Because the least squares leave a residual in the load balance, F1 is
- * not 0 and the load at s = 0 is not exactly 1. */
+/* Computes stiffness and damping from a small variation exp(sT) of the load that scales the frame.
+ * Per unit of this variation, the load F changes by 1 + s F1 and the approach H0 by A + s H1, so
+ * dF/dH0 = 1/A - s (H1 - A F1)/A^2. Because the least squares leave a residual in the load balance,
+ * F1 is not 0, and the change of F at s = 0 is not exactly 1. */
 static ehd_status respond(online_response *response, const solved_frame *of, ehd_error *error) {
     const online_direction by_load = {.load = 1, .approach = NAN};
     const frame_pair frames = frames_around(of, &by_load);
@@ -201,8 +204,8 @@ static void set_stationary_frame(contact_frame *frame, const void *context,
     *frame = frame_at(reference->kind, 0, values, conditions->approach);
 }
 
-/* Returns the equations of the scene under a frame's conditions. The speed is a factor of lambda,
- * so that the rows keep their weights. */
+/* Returns the equations of the scene under a frame's conditions. The speed is made a factor of
+ * lambda, so that the weights of the rows stay the same. */
 static reduced_equations stationary_equations(void *context, const contact_frame *frame,
                                               ehd_contact *contact, int side) {
     const ehd_contact *reference = context;
@@ -286,7 +289,7 @@ static ehd_status find_attempt(solved_frame *solved, online_transient *self, ehd
                        .context = self,
                        .equations = reduced_march_equations(of)};
     solved->at.load = last->frame.load;
-    // the frame of a start follows its load, whether load or approach was given
+    // the frame of a start follows the load, even if the approach was given
     if (!self->solved) solved->at.approach = NAN;
     if (part != self->of) self->tangent = reduced_tangent_free(self->tangent);
     self->of = part;

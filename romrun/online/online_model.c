@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Opens models and lists of models, and prepares them for fields and for scenes in time. Called by
- * romrun, the library and FMUs through online.h. */
+/* Opens models and lists of models, and prepares them for fields and for transient scenes. Called
+ * by romrun, the library and FMUs through online.h. */
 #include "romrun/model/model_file.h"
 #include "romrun/online/online_objects.h"
 #include "romrun/solve/guess.h"
@@ -13,7 +13,7 @@ static bool same_size(size_t wanted, size_t own) {
     return wanted == 0 || wanted == own;
 }
 
-/* Opens the parts of a flat file; they follow one another in the file. */
+/* Opens all parts of a flat file. The parts follow one another in the file. */
 static ehd_status open_flat(online_model *self, size_t index, const model_sizes *sizes,
                             ehd_error *error) {
     const char *path = self->list.paths[index];
@@ -63,15 +63,15 @@ static ehd_status open_file(online_model *self, size_t index, const model_sizes 
     return part_open(&self->parts[self->num_parts++], path, sizes, error);
 }
 
-/* Checks whether parts can be in one list: they need the same kind of contact, discretisation and
- * boundary. Point contacts and ellipses also need the same grid. */
+/* Checks whether two parts can be in one list. They need the same kind of contact, discretisation
+ * and boundary. Point contacts and ellipses also need the same grid. */
 static bool alike(const reduced_model *a, const reduced_model *b) {
     return a->kind == b->kind && a->grid.discretization == b->grid.discretization &&
            a->grid.boundary == b->grid.boundary &&
            (a->kind->dimensions == 1 || grid_same(&a->grid, &b->grid));
 }
 
-/* Checks whether all parts can be in one list and carry films in the same way. */
+/* Checks whether all parts can be in one list, with the same transport and smoothing of films. */
 static ehd_status check_alike(const online_model *self, ehd_error *error) {
     const reduced_model *first = &self->parts[0].reduced;
 
@@ -95,7 +95,8 @@ static ehd_status check_alike(const online_model *self, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Returns the first part whose grid differs from that of part 0; 0: there is none. */
+/* Returns the first part whose grid differs from the grid of part 0. Returns 0 if all parts have
+ * the same grid. */
 static size_t part_of_other_grid(const online_model *self) {
     for (size_t p = 1; p < self->num_parts; p++)
         if (!grid_same(&self->parts[p].reduced.grid, &self->parts[0].reduced.grid)) return p;
@@ -171,7 +172,7 @@ ehd_status online_export(online_model *self, const char *path, bool force, ehd_e
     return status;
 }
 
-/* Returns the sizes of the largest part. */
+/* Describes the model. The sizes are those of the largest part. */
 online_properties online_describe(const online_model *self) {
     const reduced_model *largest = &self->parts[0].reduced;
     const ehd_grid *grid = online_grid(self);

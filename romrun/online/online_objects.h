@@ -13,9 +13,10 @@
 struct online_model {
     char *path;
     part_list list; // files that the model consists of
-    flat *files;    // [list.num] tables of those files that are flat
+    flat *files;    // [list.num] tables of the files that are flat; unused for HDF5 files
     size_t num_parts;
-    model_part parts[MAX_PARTS]; // all have the same kind, discretisation and carriage
+    model_part parts[MAX_PARTS]; // all have the same kind of contact, discretisation, transport and
+                                 // smoothing
 };
 
 struct online_solver {
@@ -24,39 +25,43 @@ struct online_solver {
     part_solver *used;  // part that made the last solution
 };
 
-/* Returns the part in whose trained range a contact lies deepest, or else the nearest part. If any
- * parts have the grid that the contact gives, it chooses among these only. */
+/* Returns the index of the part in whose trained range a contact lies deepest. If the contact lies
+ * in no range, returns the nearest part. If some parts have the grid that the contact gives, the
+ * choice is among these parts only. */
 size_t online_part_for(const online_model *self, const part_solver *solvers,
                        const ehd_contact *contact);
 
-/* Reports a model that was used without a call of `call`. Returns EHD_INTERNAL. */
+/* Reports that a model was used before the function `call` has prepared it. Returns
+ * EHD_INTERNAL. */
 ehd_status online_not_prepared(const model_part *model, const char *call, ehd_error *error);
 
-// ---- in time
+// ---- transient contacts
 
-/* Data of the last accepted state that its march does not hold. All members are doubles, so that
- * the struct can be saved as an array. */
+/* Data of the last accepted state that the march of the part does not hold. All members are
+ * doubles, so that the struct can be saved as an array. */
 typedef struct accepted_moment {
     double time;
-    load_forecast forecast; // if the approach is given: load that scales the next frame
-    double path, speed;     // path that the fluid has travelled, and its speed
+    load_forecast forecast; // forecast of the load that scales the next frame, if the approach is
+                            // given
+    double path, speed;     // path that the fluid has travelled, and the speed of the fluid
 } accepted_moment;
 
 struct online_transient {
     const online_model *model;
     ehd_contact reference;
     parts_march *march;
-    apart_march contact; // `march` extended by bodies that separate
-    march_solver solver; // solver of `contact`
+    apart_march contact; // `march`, extended to bodies that separate and touch again
+    march_solver solver; // `contact` as a solver for steps
     bool started;        // true: there is an accepted state
     bool solved;         // true: there is a step that can be accepted
     march_step last;     // the last solved step
     accepted_moment now;
-    // conditions of the last step, which begins at `now`, or of the start
+    // conditions at the end of the last step, which begins at `now`; before the first step:
+    // conditions of the start
     online_conditions conditions;
     bool at_start;            // true: no step was taken since the start
     size_t of;                // index of the part to which the tangent belongs
-    reduced_tangent *tangent; // NULL: not needed yet
+    reduced_tangent *tangent; // NULL: no derivative was needed yet
     bool linearised;          // true: the tangent is linearised at the present solution
 };
 
@@ -64,7 +69,8 @@ struct online_transient {
  * march of the last accepted state. */
 reduced_march *transient_march_of_attempt(const online_transient *self);
 
-/* Returns the frame of a contact under conditions that end a step. Step 0: the start. */
+/* Returns the frame at the end of a step of this length, for the conditions at its end. `step` 0:
+ * the frame of the start. */
 contact_frame transient_frame_of(const online_transient *self, const online_conditions *conditions,
                                  double step);
 
@@ -72,8 +78,8 @@ contact_frame transient_frame_of(const online_transient *self, const online_cond
  * state. */
 bool transient_is_apart(const online_transient *self);
 
-/* Returns the index of the last step among the states of its march: 0 for an attempt, 1 for a
- * start, which is accepted at once. */
+/* Returns the argument `steps` of reduced_march_state_before for the last solved state: 0 for a
+ * step that is not accepted yet, 1 for an accepted state. A start is accepted at once. */
 size_t transient_steps_before(const online_transient *self);
 
 #endif

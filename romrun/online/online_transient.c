@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Solves a contact in time step by step, by the marches of the model's parts. Called by time_run
- * (romrun), the library and FMUs through online.h. */
+/* Solves a transient contact step by step, with the marches of the model's parts. Called by
+ * time_run (romrun), the library and FMUs through online.h. */
 #include "romrun/online/online_objects.h"
 
 #include <math.h>

@@ -10,7 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Reads the calibrated factors for the model's numbers of modes and rows; 0: there are none. */
+/* Reads the factors that a calibration has measured for the model's numbers of modes and rows.
+ * Without such a calibration the factors are 0, in time NaN. */
 static ehd_status read_factors(model_part *self, ehd_error *error) {
     const reduced_model *model = &self->reduced;
     const model_sizes own = {model->num_pressure, model->num_deformation, model->rows.num_rows};
@@ -237,9 +238,10 @@ static void indicate(online_result *result, part_solver *solver, const ehd_conta
     if (model->indicator_factor > 0) {
         result->indicated =
             trade_indicated(model->indicator_factor, model->shape[OF_CENTRAL_FILM], result->bound);
-        // the estimate is at least that of the central film. In 16 of 452 scenes inside the trained
-        // range, with 78 of 110 modes, the minimum film's own estimate is below the error. The
-        // larger of both estimates is below the error in 1 scene (0.96 of the error)
+        // The estimate of the minimum film is at least the estimate of the central film. In 16 of
+        // 452 scenes inside the trained range, with 78 of 110 modes, the minimum film's own
+        // estimate is below its error. The larger of both estimates is below the error in only 1
+        // scene (0.96 of the error).
         result->indicated_minimum =
             fmax(trade_indicated(model->indicator_factor_minimum, model->shape[OF_MINIMUM_FILM],
                                  result->bound_minimum),
@@ -248,18 +250,18 @@ static void indicate(online_result *result, part_solver *solver, const ehd_conta
     result->seconds += program_seconds() - start;
 }
 
-/* Multiple of the calibration's largest residual above which a result is not trusted. A false
- * solution with a spike that the contact does not have has a residual of 0.95; the scenes of the
- * calibration have at most 3e-3. The limit rejects no further good results with untrained
- * lubricants (scenes/studies/silent-failures, seed 22). */
+/* Multiple of the calibration's largest residual above which a result is not trusted. The scenes of
+ * the calibration have residuals of at most 3e-3. A false solution, with a pressure spike that the
+ * true solution does not have, has a residual of 0.95. The limit adds no rejection of a good result
+ * with an untrained lubricant (scenes/studies/silent-failures, seed 22). */
 static const double MAX_RESIDUAL_OVER_CALIBRATION = 100;
 
 /* Multiple of the calibration's largest number of iterations above which a result is not trusted.
- * Measured on 1700 random scenes with two trainings of line contacts and 60 scenes of the
+ * Measured on 1700 random scenes of line contacts, with two trainings and 60 scenes of the
  * calibration. Scenes inside the trained range, with the trained density, take at most 1.9 times
- * this number. If scenes are incompressible but the training was compressible, they take up to 8
- * times this number. One in twenty of such scenes takes more than 5 times this number although the
- * result is good (romrun/trust/README.md, Results that are rejected). */
+ * the calibration's largest number. Incompressible scenes take up to 8 times this number if the
+ * training was compressible. One in twenty of these scenes takes more than 5 times this number
+ * although the result is good (romrun/trust/README.md, Results that are rejected). */
 static const double MAX_ITERATIONS_OVER_CALIBRATION = 5;
 
 /* Largest accepted magnitude of a negative pressure, Hertz pressures. Of 1000 solutions with
@@ -269,7 +271,8 @@ static const double MAX_ITERATIONS_OVER_CALIBRATION = 5;
  * pressures (scenes/studies/silent-failures; test_online.c, the_library_says_what_it_solved). */
 static const double MOST_NEGATIVE = 1e-3;
 
-/* Marks a result as not converged if its pressures cannot be those of a solution. */
+/* Marks a result as not converged if a pressure is impossible in a contact: too far below zero, or
+ * above the limit of the viscosity law. */
 static void judge_pressure(online_result *result, const ehd_contact *contact,
                            const reduced_pressures *range) {
     if (result->status == EHD_NOT_CONVERGED) return;
@@ -291,9 +294,10 @@ void online_judge_pressure(online_result *result, const ehd_contact *contact,
     judge_pressure(result, contact, &range);
 }
 
-/* Marks a converged result as untrusted if it lies outside of the trained range or is far from
- * solving its rows. If a result has not converged and the contact lies outside of the range, the
- * reason begins with the range. */
+/* Marks a converged result as untrusted if the contact lies outside of the trained range or if the
+ * result is probably false: a large residual, many iterations, or a thinned flow that the equations
+ * do not cover. If a result has not converged and the contact lies outside of the range, the reason
+ * begins with the range. */
 static void judge(online_result *result, part_solver *solver, const ehd_contact *contact) {
     const model_part *model = solver->model;
     const char *reason =

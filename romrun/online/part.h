@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Holds one reduced model as the online solver uses it, and its solver. An opened model consists
- * of one such part or, for parts of a region, of several (README.md, Models for parts of a
- * region).
+/* Defines a part: one reduced model with the data that the online solver needs, and the solver of
+ * this model. An opened model consists of one part or, for parts of a region, of several parts
+ * (README.md, Models for parts of a region).
  * Called by the files of online.h (online_objects.h). */
 #ifndef EHD_ONLINE_PART_H
 #define EHD_ONLINE_PART_H
@@ -21,21 +21,26 @@ typedef struct model_part {
     const char *path; // path of its file, for error messages
     bool flat;        // a flat file owns the tables and outlives the part
     bool shows;       // true: the part owns the lubricants of part_show, even if it is flat
-    artefact *source; // file with the modes; NULL: flat, or released
+    artefact *source; // open HDF5 file with the modes; NULL: a flat model, or the file is closed
     trained_range *range;
-    double indicator_factor; // factor of the central film; 0: not calibrated at these sizes
+    double indicator_factor; // factor of the error estimate of the central film; 0: these sizes are
+                             // not calibrated
     double indicator_factor_minimum;
-    double largest_residual; // largest residual in the calibration; infinite: not known
+    double largest_residual; // largest residual in the calibration; infinite: this residual is not
+                             // known
     bool checked_in_time;
     double most_iterations;             // largest number of iterations in the calibration;
-                                        // infinite: not known
-    double other_factor[NUM_INDICATED]; // 0: not calibrated
-    indicator_shape shape[NUM_BOUNDED]; // shapes of the factors
-    film_factors in_time;               // NaN: not calibrated at these sizes
+                                        // infinite: this number is not known
+    double other_factor[NUM_INDICATED]; // factors of the other error estimates; 0: these sizes are
+                                        // not calibrated
+    indicator_shape shape[NUM_BOUNDED]; // shapes of the estimates (indicator_shape)
+    film_factors in_time;               // factors of the error estimates in a transient run; NaN:
+                                        // these sizes are not calibrated on trajectories
     double *pressure_basis;             // NULL until fields or transient scenes are prepared
-    const field_modes *fields;          // NULL: not prepared
-    field_modes own_fields;             // memory for `fields`, unless the splines hold it
-    // transient scenes: true once prepared
+    const field_modes *fields;          // NULL: the model was not prepared for fields
+    field_modes own_fields;             // memory of `fields`, unless `fields` belongs to the
+                                        // splines
+    // true: prepared for transient scenes; the members below are then set
     bool transient;
     film_splines splines;
     double *deformation_basis;
@@ -45,9 +50,10 @@ typedef struct model_part {
  * Errors: EHD_NOINPUT, EHD_DATA, EHD_MEMORY. */
 ehd_status part_open(model_part *self, const char *path, const model_sizes *sizes,
                      ehd_error *error);
-/* Writes the part to a flat file, or reads it. file->status holds errors. */
+/* Writes the part to a flat file or reads the part from it, depending on file->reading.
+ * file->status holds errors. */
 void part_walk(flat *file, model_part *self);
-/* After reading: computes the data that follow from the file's. Errors: EHD_MEMORY. */
+/* Computes, after reading, the data that the file does not contain. Errors: EHD_MEMORY. */
 ehd_status part_finish(model_part *self, ehd_error *error);
 /* See online_show. */
 ehd_status part_show(model_part *self, const shown_lubricants *shown, ehd_error *error);
@@ -67,10 +73,10 @@ typedef struct part_solver {
     reduced_state state;
     bool solved;                // true: the last solution converged
     contact_scalars scalars;    // scalars of the last solution
-    reduced_tangent *tangent;   // NULL: not needed yet
+    reduced_tangent *tangent;   // NULL: no derivative was needed yet
     bool linearised;            // true: the tangent is linearised at the last solution
     range_memory *range_memory; // work memory for checks of the trained range
-    char reason[192];           // reason of the last result if it combines several reasons
+    char reason[192];           // text of the last result's reason, if several reasons are combined
 } part_solver;
 
 /* Initialises a solver. `self` is zero; free with part_solver_free, also after a failure. Errors:
@@ -78,7 +84,8 @@ typedef struct part_solver {
 ehd_status part_solver_init(part_solver *self, const model_part *model, ehd_error *error);
 void part_solver_free(part_solver *self);
 
-/* See online_solve, online_indicate and so on, for a contact on the model's grid. */
+/* These functions do for a part what online_solve, online_indicate and so on do for a model. The
+ * contact must be on the part's grid. */
 ehd_status part_solve(online_result *result, part_solver *solver, const ehd_contact *contact,
                       ehd_error *error);
 online_indications part_indicate(part_solver *solver, const ehd_contact *contact);
@@ -88,8 +95,8 @@ contact_traction part_traction(part_solver *solver, const ehd_contact *contact);
 double part_friction_bound(part_solver *solver, const ehd_contact *contact, double friction);
 double part_indicate_friction(part_solver *solver, const ehd_contact *contact, double friction);
 
-/* Checks whether kind, grid, discretisation and boundary of a contact are the model's. Returns
- * EHD_OK, or EHD_DATA with both in the text. */
+/* Checks that a contact has the kind, grid, discretisation and boundary of the model. Returns
+ * EHD_OK, or EHD_DATA with both values in the text. */
 ehd_status part_check_contact(const model_part *model, const ehd_contact *contact,
                               ehd_error *error);
 

@@ -138,7 +138,7 @@ reduced_march *parts_march_choose(parts_march *self, const contact_frame *frame)
     return self->parts[self->accepted];
 }
 
-// ---- as a solver
+// ---- functions of march_solver
 
 /* Returns the solver of the part that solved the last accepted state. */
 static march_solver last_solver(const parts_march *self) {
@@ -211,8 +211,8 @@ static ehd_status touching(double *approach, double *load, void *solver, const c
     return of.touching(approach, load, of.self, frame, error);
 }
 
-/* Returns the size of a saved state. With several parts it holds the index of the part, this part's
- * saved state, and zeros up to the longest saved state. */
+/* Returns the size of a saved state. With several parts, a saved state has the index of a part, the
+ * saved state of this part, and zeros up to the length of the longest saved state. */
 static size_t saved_size(const void *solver) {
     const parts_march *self = solver;
     size_t longest = 0;

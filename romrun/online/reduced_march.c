@@ -18,7 +18,7 @@
 #include <string.h>
 
 /* Weighted sums of rho H of the accepted states, in the frame of the attempt. They are evaluated at
- * the nodes of the rows and, on demand, of the band. */
+ * the nodes of the rows and, on demand, at the nodes of the band. */
 typedef struct previous_sums {
     size_t *ascending;             // [num_rows] rows in the order of their nodes
     double *sum;                   // [num_rows] sum with the weights of the BDF formula
@@ -31,13 +31,13 @@ typedef struct previous_sums {
 typedef struct error_estimate {
     double *pressure; // [num_rows] P at the rows' nodes
     size_t *end;      // [num_lines] columns before which the error is estimated
-    // with transport along the path: places on the central grid line from the edge of the dry
-    // contact to the centre
+    // the way: places on the central grid line from the edge of the dry contact to the centre, used
+    // with transport along the path
     size_t num_way;
     size_t *way;     // [num_way] nodes
     size_t *way_row; // [num_way] row at the node, or NO_ROW
     double *x;       // [num_way] X of the place
-    double *missed;  // [num_way] error of rho H in the attempt, without the formula's factor
+    double *missed;  // [num_way] solution minus prediction of rho H (bdf_march_missed)
     // [num_way] change of the last accepted rho H that the filter causes, and the places X to which
     // the fluid has carried this change
     double *changed, *changed_x;
@@ -46,7 +46,7 @@ typedef struct error_estimate {
 
 static const size_t NO_ROW = SIZE_MAX;
 
-/* Equations for conditions that differ a little from those of the attempt. */
+/* Equations for conditions that differ a little from the conditions of the attempt. */
 typedef struct march_beside {
     reduced_march *march;
     contact_frame frame;
@@ -56,7 +56,7 @@ typedef struct march_beside {
 } march_beside;
 
 /* Arguments with which the solver's kept factors were made. A restored march makes the same factors
- * from them. */
+ * from these arguments. */
 typedef struct factors_origin {
     bool valid;
     contact_frame frame;
@@ -73,10 +73,11 @@ struct reduced_march {
     range_memory *range_memory;
     reduced_solver *solver;
     double start_tolerance;               // tolerance of the start
-    double tolerance;                     // tolerance of the steps; NaN: not set
+    double tolerance;                     // tolerance of the steps; NaN: the caller has not set it
     previous_film states[NUM_BDF_PLACES]; // states at the places of `bdf`
     previous_sums previous;
-    // with transport along the path: the base, and d/dX of its rho H as the rows evaluate it
+    // with transport along the path: the base, which is the initial state, and d/dX of its rho H as
+    // the rows evaluate it
     path_films path;
     double *entrained, *band_entrained; // [num_rows], [nodes of the band]
     error_estimate estimate;
@@ -86,13 +87,13 @@ struct reduced_march {
     film_bounds bounds;    // bounds of the attempt
     functionals *functionals;
     double *influence; // [num_rows] influence of rows on a film
-    // The contact contains a film from an untrusted step until the fluid has travelled this path:
-    // for the attempt, and for the last accepted state
+    // path of the fluid up to which the contact contains a film from an untrusted step: for the
+    // attempt, and for the last accepted state
     double doubtful, last_doubtful;
     factors_origin factors;
-    // frames scaled by the solutions' loads: for the attempt, for the last accepted state, and for
-    // the state from which rates are measured. If the approach is given, they differ from the
-    // frames in which the states were solved
+    // frames scaled by the loads of the solutions: for the attempt, for the last accepted state,
+    // and for the state from which rates of change are measured. If the approach is given, these
+    // frames differ from the frames in which the states were solved
     contact_frame load_frame, last_load_frame, rate_frame;
     reduced_info info; // outcome of the attempt
     march_beside beside[2];
@@ -153,16 +154,18 @@ static bool is_along_path(const reduced_march *self) {
     return bdf_march_along_path(&self->bdf);
 }
 
-/* Returns whether errors in time of the minimum film are estimated. They are not for a point
- * contact, whose minimum film lies beside the central grid line. */
+/* Returns whether the errors that time steps cause in the minimum film are estimated. They are
+ * estimated only with transport along the path, and not for a point contact, because its minimum
+ * film lies beside the central grid line. */
 static bool estimates_minimum(const reduced_march *self) {
     return is_along_path(self) && self->model->band.num_lines == 1;
 }
 
-/* Finds the places on the way to the centre: nodes of rows on the central grid line and, if two of
- * them are farther apart than `widest`, nodes between them. */
+/* Finds the places of the way to the centre. They are the nodes of rows on the central grid line.
+ * If two such nodes are farther apart than `widest`, nodes between them are added. */
 static bool find_way(reduced_march *self) {
-    const double widest = 0.05; // half widths; see common/time/README.md, Along the path
+    // Largest distance between two places, half widths (common/time/README.md, Along the path).
+    const double widest = 0.05;
     const reduced_model *model = self->model;
     const ehd_grid *grid = &model->grid;
     const size_t begin = grid_central_line(grid), end = begin + grid_width(grid) - 1;
@@ -218,7 +221,7 @@ static bool is_of_stationary_scenes(const reduced_states *states) {
     return i == states->num_states;
 }
 
-/* Checks that films are carried as in the trajectories of the training. */
+/* Checks that transport and smoothing of films are those of the training. */
 static ehd_status check_carriage(const reduced_model *model, const ehd_contact *reference,
                                  ehd_error *error) {
     // values that the scene does not give are taken from the training
@@ -233,10 +236,10 @@ static ehd_status check_carriage(const reduced_model *model, const ehd_contact *
     return status;
 }
 
-/* Data that is saved behind the accepted states. `load_frame` (last state), `rate_frame` and
- * `doubtful` are as in reduced_march; `local` are the errors that rows cause in the films. `valid`:
- * 1 if there are kept factors; `rate` and `frame` belong to these factors. The state of the factors
- * and the errors of the indicator follow this struct. */
+/* Data that is saved behind the accepted states. `load_frame`, `rate_frame` and `doubtful`: as in
+ * reduced_march, for the last accepted state. `local`: errors that rows cause in the films.
+ * `valid`: 1 if there are kept factors. `rate` and `frame` belong to these factors. In the saved
+ * data, the state of the factors and the errors of the indicator follow this struct. */
 typedef struct saved_rest {
     contact_frame load_frame, rate_frame;
     double doubtful;
@@ -340,9 +343,9 @@ static void add_effort(reduced_march *self, const reduced_info *info) {
 
 // ---- trust
 
-/* Checks whether an exit lies at the edge of its range. Accepts an exit at the end of the grid.
- * Right after a sudden rise of the load the whole outlet is full, and the full model of the
- * training has its exit there for a moment. */
+/* Checks whether an exit lies at the edge of its trained range. An exit at the end of the grid is
+ * accepted. Reason: right after a sudden rise of the load the whole outlet is full, and the exit of
+ * the full model in the training lies there for a moment. */
 static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
     const size_t *exit = reduced_state_exits(state), end = grid_width(&model->grid) - 2;
 
@@ -372,14 +375,14 @@ static void judge_films(march_step *outcome, reduced_march *self, const contact_
 /* Checks whether the gap behind the exit closes so fast that a second zone of pressure carries a
  * part of the load. A reduced model has only one zone on each grid line. */
 static bool lacks_zone(const reduced_march *self) {
-    if (self->bdf.ring.num_previous < 2) return false; // a jump is over in one step
+    if (self->bdf.ring.num_previous < 2) return false; // the step of a jump has no rate
     return frame_closing_gap(&self->load_frame, &self->last_load_frame, &self->reference, 1).load >
            default_accuracy;
 }
 
-/* Returns the rates of change in the attempt. A load that is an outcome has noise. Over short
- * steps, the change of the load is therefore measured from an earlier state. Until there is such a
- * state, the change is multiplied by frame_step_share. */
+/* Returns the rates of change in the attempt. If the approach is given, the load is an outcome and
+ * has noise. In short steps, the change of the load is therefore measured from an earlier state.
+ * Until there is such a state, the change is multiplied by frame_step_share. */
 static frame_rates rates_of_step(const reduced_march *self) {
     const contact_frame *now = &self->load_frame, *last = &self->rate_frame;
     frame_rates rates = frame_rates_between(now, &self->last_load_frame);
@@ -392,8 +395,9 @@ static frame_rates rates_of_step(const reduced_march *self) {
     return rates;
 }
 
-/* Makes the accepted state the one from which rates are measured, if it is far enough from the
- * present rate_frame or is the first state after a jump. */
+/* Sets rate_frame, from which rates are measured, to the frame of the accepted state. Does this
+ * only if the state is far enough from the present rate_frame or is the first state after a
+ * jump. */
 static void move_rate_frame(reduced_march *self) {
     const contact_frame *now = &self->load_frame, *last = &self->rate_frame;
 
@@ -407,14 +411,14 @@ static void move_rate_frame(reduced_march *self) {
  * second zone of pressure; an exit at the edge of its range; a contact outside of the trained
  * range. */
 static const char *why_not_to_trust(reduced_march *self, const reduced_state *state) {
-    // Pressure below which the film ruptures, Hertz pressures. Truncation alone causes a tenth of
-    // this pressure (romrun/trust/README.md, Results that are rejected).
+    // Pressure below which the film ruptures, Hertz pressures. Truncation alone causes negative
+    // pressures of a tenth of this value (romrun/trust/README.md, Results that are rejected).
     const double rupture = -1e-3;
     const reduced_model *model = self->model;
     ehd_contact contact;
 
     frame_contact(&contact, &self->load_frame, &self->reference);
-    // a jump takes one step of any length, so its rates are not checked
+    // a jump takes one step, whatever its length, so the rates of this step are not checked
     frame_rates rates = {0};
     if (self->bdf.ring.num_previous > 1) rates = rates_of_step(self);
     if (reduced_doubts_flow(self->solver, state, &contact)) return flow_doubt_reason;
@@ -430,7 +434,7 @@ static const char *why_not_to_trust(reduced_march *self, const reduced_state *st
 static void judge(march_step *outcome, reduced_march *self, const reduced_state *state,
                   const contact_frame *frame) {
     self->load_frame = isnan(frame->approach)
-                           ? *frame // the load is given, and met approximately
+                           ? *frame // the load is given, and the solution meets it approximately
                            : frame_of_load(self->reference.kind, frame, outcome->scalars.load);
     if (outcome->status == EHD_NOT_CONVERGED) return;
     if (outcome->status == EHD_OK) march_distrust(outcome, why_not_to_trust(self, state));
@@ -439,7 +443,7 @@ static void judge(march_step *outcome, reduced_march *self, const reduced_state 
 
 // ---- the start
 
-/* Solves from the state that state_before(self, 0) holds. */
+/* Solves a contact. The iteration starts from the state at state_before(self, 0). */
 static ehd_status solve(reduced_info *info, reduced_march *self, const ehd_contact *contact,
                         const reduced_squeeze *squeeze, ehd_error *error) {
     previous_film *next = state_before(self, 0);
@@ -494,8 +498,8 @@ static ehd_status find_load(reduced_info *info, reduced_march *self, contact_fra
 }
 
 /* Finds the load for an approach at which find_load does not converge. The secant method changes
- * the load until the approach of the solution is right to a tenth of the film. Each solution begins
- * at a trained state. Then find_load completes the search. */
+ * the load until the error of the approach is at most a tenth of the film. Each solution begins at
+ * a trained state. Then find_load completes the search. */
 static ehd_status walk_to_approach(reduced_info *info, reduced_march *self, contact_frame *frame,
                                    ehd_error *error) {
     // `near`: error of the approach from which on find_load takes over, in central films.
@@ -573,7 +577,7 @@ static double entrain(const reduced_march *self, size_t node) {
     return -row.residual;
 }
 
-/* Prepares the base after its state is set. Previous states are stored as differences from the
+/* Prepares the base after its state is set. Previous states are then stored as differences from the
  * base. */
 static ehd_status use_base(void *solver, ehd_error *error) {
     reduced_march *self = solver;
@@ -619,7 +623,8 @@ static void add_local(reduced_march *self, const contact_scalars *scalars,
     time_indicator_add_local(&self->indicator, errors, scalars, then, now);
 }
 
-/* Sets the estimates from the indicator's errors of the attempt. */
+/* Sets the error estimates of the outcome from the errors that the indicator has computed for the
+ * attempt. */
 static void set_indicated(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
     const time_indicator *indicator = &self->indicator;
     const film_factors *factors = &self->of_films;
@@ -639,7 +644,7 @@ static void set_indicated(march_step *outcome, reduced_march *self, const ehd_co
     outcome->indicated = factors->central * self->bounds.central + factors->central_floor;
     outcome->indicated_minimum = factors->central * self->bounds.arriving +
                                  factors->minimum * self->bounds.arising + factors->minimum_floor;
-    // NaN: an iterate exceeded the limit of the viscosity law
+    // an estimate is NaN if an iterate exceeded the limit of the viscosity law
     if (isnan(outcome->indicated)) outcome->indicated = INFINITY;
     if (isnan(outcome->indicated_minimum)) outcome->indicated_minimum = INFINITY;
 }
@@ -717,7 +722,8 @@ static void add_times(double *target, double factor, const double *source, size_
     axpy(target, factor, source, count);
 }
 
-/* Extrapolates in time the coordinates and the values at the needed nodes. Keeps the exit line. */
+/* Extrapolates the coordinates and the values at the needed nodes from the accepted states. Keeps
+ * the exits of the last state. */
 static void predict(reduced_march *self) {
     const reduced_model *model = self->model;
     previous_film *next = state_before(self, 0);
@@ -737,7 +743,7 @@ static void predict(reduced_march *self) {
         add_times(values->pressure, factor, previous->values.pressure, model->rows.num_needed);
         add_times(values->cut, factor, previous->values.cut, model->cut.num_rows);
         if (previous->values.checkpoint != values->checkpoint && factor != 0)
-            values->checkpoint = model->checkpoints.num; // means: no checkpoint
+            values->checkpoint = model->checkpoints.num; // this value means: no checkpoint
     }
 }
 
@@ -746,7 +752,7 @@ static void list_previous(const previous_film *films[BDF_PREVIOUS], const reduce
         films[i] = &self->states[bdf_march_place(&self->bdf, i + 1)];
 }
 
-/* Computes rho H of states at a node of the frame. */
+/* Computes rho H of `num` previous states, carried to a node of the frame. */
 static void masses_at(double *mass, const previous_film *const *films, size_t num, size_t node,
                       const contact_frame *frame, const reduced_march *self) {
     if (is_along_path(self))
@@ -767,8 +773,9 @@ static double history_sum(const double *weights, const double *values, size_t co
     return sum;
 }
 
-/* Computes the weighted sum of rho H of the states for the squeeze term at the rows' nodes,
- * [num_rows]. `masses`, [BDF_PREVIOUS, num_rows]: rho H of each state; NULL if not needed. */
+/* Computes the part of the squeeze term that previous states contribute at the rows' nodes,
+ * [num_rows]: the weighted sum of their rho H. `masses`, [BDF_PREVIOUS, num_rows]: rho H of each
+ * state; NULL if not needed. */
 static void sum_at_rows(double *sum, double *const *masses, const reduced_march *self,
                         const contact_frame *frame, double entrainment) {
     const reduced_model *model = self->model;
@@ -787,8 +794,8 @@ static void sum_at_rows(double *sum, double *const *masses, const reduced_march 
     }
 }
 
-/* Prepares an accepted state. With transport along the path it applies the fraction `share` of the
- * filter. */
+/* Prepares an accepted state as a previous state of the next steps. With transport along the path
+ * it applies the fraction `share` of the filter. */
 static void prepare(void *solver, size_t place, double share) {
     reduced_march *self = solver;
     previous_film *film = &self->states[place];
@@ -823,8 +830,8 @@ static double sum_at(const reduced_march *self, size_t node) {
     return sum_in_frame(self, node, &self->states[bdf_march_place(&self->bdf, 0)].frame);
 }
 
-/* Returns sum_at plus the entrainment of the base at a node of the band. Evaluates it once per
- * attempt. */
+/* Returns sum_at plus the entrainment of the base at a node of the band. Evaluates each node at
+ * most once per attempt. */
 static double previous_at(void *solver, size_t node) {
     reduced_march *self = solver;
     size_t index = reduced_model_band_index(self->model, node);
@@ -866,8 +873,8 @@ static bool is_before_exit(const reduced_march *self, size_t node) {
     return grid_x(grid, node) < end - march_exit_margin;
 }
 
-/* Returns bdf_march_missed at any node. The state of the attempt must be prepared. *mass: rho H
- * at the node. */
+/* Returns the difference of bdf_march_missed at any node. The state of the attempt must be
+ * prepared. *mass: rho H at the node. */
 static double missed_at(double *mass, const reduced_march *self, size_t node) {
     const previous_film *films[BDF_PREVIOUS];
     const previous_film *next = &self->states[bdf_march_place(&self->bdf, 0)];
@@ -880,14 +887,14 @@ static double missed_at(double *mass, const reduced_march *self, size_t node) {
     return *mass - history_sum(self->bdf.formula.predictor, before, self->bdf.ring.num_previous);
 }
 
-/* Returns the density at the pressure of the dry contact. */
+/* Returns the density at the pressure that the dry contact has at X. */
 static double hertz_density(const ehd_contact *contact, double x) {
     return lubricant_density(&contact->lubricant,
                              contact->hertz_pressure * sqrt(fmax(1 - x * x, 0)));
 }
 
-/* Computes bdf_march_missed at the places before the centre. The state of the attempt must be
- * prepared. */
+/* Computes bdf_march_missed at the places of the way to the centre. The state of the attempt must
+ * be prepared. */
 static void miss_on_the_way(reduced_march *self) {
     error_estimate *estimate = &self->estimate;
 
@@ -905,10 +912,11 @@ static void miss_on_the_way(reduced_march *self) {
     }
 }
 
-/* Returns the error of rho H that a film accumulates until it reaches the centre. Like the full
- * model, divides it by the path of the step. The error is an integral along the central grid line,
- * linear between the places. If the step is shorter than frame_shortest_step, divides by the path
- * of this shortest step, since noise does not shrink further. */
+/* Returns the largest error of rho H that a film accumulates in the attempt on its way to the
+ * centre, divided by the path of the step, as the full model does. The error is an integral along
+ * the central grid line. Its integrand is linear between the places of the way. If the step is
+ * shorter than frame_shortest_step, the integral is divided by the path of this shortest step,
+ * since noise does not shrink further. */
 static double error_on_the_way(void *solver) {
     const reduced_march *self = solver;
     const error_estimate *estimate = &self->estimate;
@@ -927,7 +935,7 @@ static double error_on_the_way(void *solver) {
 }
 
 /* Marks the rows before the exit. With transport along the path it also computes the local errors
- * before the centre. */
+ * on the way to the centre. */
 static void mark(void *solver) {
     reduced_march *self = solver;
     const bdf_masses *masses = &self->bdf.masses;
@@ -951,8 +959,8 @@ static double largest_taken_up(const reduced_march *self) {
     return largest;
 }
 
-/* Adds to the errors the change of the last accepted film that the filter causes, at the places to
- * which the fluid has carried this film. */
+/* The filter changes the last accepted film. Adds this change to the accumulated errors, at the
+ * places to which the fluid has carried this film. */
 static void add_filter_errors(reduced_march *self, const contact_frame *now) {
     const previous_film *last = state_before(self, 1);
     const double shift = frame_shift(now, &last->frame), stretch = frame_stretch(now, &last->frame);
@@ -970,9 +978,10 @@ static void add_filter_errors(reduced_march *self, const contact_frame *now) {
                     estimate->changed, estimate->changed_x, estimate->num_way);
 }
 
-/* Carries the errors of the films along, and adds the errors of the attempt. Like the full model,
- * sets the relative changes of the films in the limit of small steps. With upwind transport these
- * changes are not known. */
+/* Carries the accumulated errors of the films along with the fluid, and adds the errors of the
+ * attempt. Then sets `effect` and `effect_minimum` as the full model does: the relative changes of
+ * the films that infinitely small steps would make. With upwind transport these changes are not
+ * known. */
 static void set_effects(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
     const contact_scalars *scalars = &outcome->scalars;
     const previous_film *next = state_before(self, 0);
@@ -993,8 +1002,8 @@ static void set_effects(march_step *outcome, reduced_march *self, const ehd_cont
         (scalars->minimum_film_thickness * hertz_density(contact, scalars->minimum_position));
 }
 
-/* Estimates the errors of an attempt. The state of the attempt must be prepared, and `contact`
- * has the entrainment of its rows. */
+/* Estimates the errors of an attempt. The state of the attempt must be prepared, and `contact` must
+ * have the entrainment of its rows. */
 static void indicate(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
     time_indicator *indicator = &self->indicator;
     const previous_film *next = state_before(self, 0);
@@ -1015,11 +1024,11 @@ static void indicate(march_step *outcome, reduced_march *self, const ehd_contact
     set_indicated(outcome, self, contact);
 }
 
-/* Returns whether a step whose exit did not settle is repeated with a shorter step. It is not
- * repeated if it is already much shorter than the step before. */
+/* Returns whether a step whose exit did not settle is repeated with a shorter step. A step that is
+ * already much shorter than the step before is not repeated. */
 static bool shorter_may_settle(const reduced_march *self) {
-    // Ratio of the length of the step to that of the previous step. Above this ratio the step is
-    // repeated. In scenes/examples/line-in-time all exits settle, so no step reaches this limit.
+    // Ratio of the length of the step to the length of the previous step. Above this ratio the step
+    // is repeated. In scenes/examples/line-in-time all exits settle, so no step reaches this limit.
     const double much_shorter = 0.05;
     const size_t *index = self->bdf.ring.place;
 
@@ -1044,13 +1053,13 @@ static double film_of_attempt(const void *context, size_t node) {
 
 /* Returns the tolerance of the iterations: a tenth of the error that a step of this length may
  * cause in the film. The line contact of scenes/studies/transient-load, period 1/2 (120 modes, 140
- * rows, error control), then takes 1897 iterations instead of 2118. If pressures were solved to
- * three times KEPT_TOLERANCE, the errors of short steps would be noise. The minimum film would then
- * differ from the full model's by 1.0 % instead of 0.4 %. */
+ * rows, error control), then takes 1897 iterations instead of 2118. With a tolerance of three times
+ * KEPT_TOLERANCE for the pressures, the errors of short steps would be noise. The minimum film
+ * would then differ from the full model by 1.0 % instead of 0.4 %. */
 static double iteration_tolerance(const reduced_march *self) {
     // `part`: tolerance divided by the allowed error of the step. `most`: largest tolerance. A
-    // model of scenes/examples/line-in-time takes 255 iterations. With a tenth of `most` it takes
-    // 270, and the largest film changes by 4e-4 (test_path_march.c,
+    // model of scenes/examples/line-in-time takes 255 iterations. With a tenth of `most` the model
+    // takes 270, and the largest film changes by 4e-4 (test_path_march.c,
     // a_tolerance_of_the_steps_saves_iterations).
     const double part = 0.1, most = 1.5e-6;
     const double path = self->bdf.step * fmax(self->bdf.entrainment, 1);
@@ -1141,7 +1150,7 @@ frame_equations reduced_march_equations(reduced_march *self) {
 
 // ---- kept factors
 
-/* Makes the kept factors from self->factors. */
+/* Makes the kept factors from the arguments in self->factors. */
 static void keep_factors(reduced_march *self) {
     ehd_contact contact;
     double entrainment;
@@ -1156,11 +1165,11 @@ static bool same_exits(const reduced_state *a, const reduced_state *b, const red
 }
 
 /* Returns whether to keep the factors for the next step, judged by the convergence in this step.
- * Keeping them longer does not save time. */
+ * Keeping the factors longer does not save time. */
 static bool factors_are_current(const reduced_march *self, const reduced_state *solved) {
-    // Largest number of iterations with which the factors are kept. A model of
-    // scenes/examples/line-in-time takes 255 iterations. With at most 1 iteration it takes 234,
-    // with 10 it takes 279.
+    // Largest number of iterations of a step after which the factors are kept. A model of
+    // scenes/examples/line-in-time takes 255 iterations in all if this number is 3. It takes 234 if
+    // this number is 1, and 279 if it is 10.
     const size_t max_iterations = 3;
 
     return self->factors.valid && !self->info.own_jacobian &&
@@ -1263,8 +1272,8 @@ double reduced_march_outside(const reduced_march *self, const contact_frame *fra
     return trained_range_outside(self->range, self->range_memory, contact_place_of(&contact));
 }
 
-/* Computes the pressure-weighted mean of the film of a handed state minus the film of its
- * projection. */
+/* Computes the mean difference between the film of a handed state and the film of its projection,
+ * weighted by the pressure. */
 static ehd_status mean_lift(double *lift, const reduced_march *self, const handed_state *state,
                             const reduced_state *projected, ehd_error *error) {
     const size_t num_nodes = self->model->grid.num_nodes;
@@ -1284,10 +1293,11 @@ static ehd_status mean_lift(double *lift, const reduced_march *self, const hande
     return EHD_OK;
 }
 
-/* Projects a handed state. Finds the coordinates of its pressure in the orthonormal modes and, for
- * an independent basis, those of its deflection. Finds the nearest exits that the model has. The
- * approach is set so that the mean film stays the same, since pressures outside of the modes would
- * lift or lower the whole film. Errors: EHD_MEMORY. */
+/* Projects a handed state on the modes. Finds the coordinates of its pressure in the orthonormal
+ * modes and, for an independent basis, the coordinates of its deflection. Finds the nearest exits
+ * that the model has. The approach is set so that the mean film stays the same. Otherwise the
+ * pressure that the modes do not represent would lift or lower the whole film. Errors:
+ * EHD_MEMORY. */
 static ehd_status project(reduced_state *target, const reduced_march *self,
                           const handed_state *state, ehd_error *error) {
     const reduced_model *model = self->model;
@@ -1481,7 +1491,7 @@ static contact_traction traction(void *solver, const ehd_contact *contact,
     return reduced_traction(self->solver, &state, contact, scalars);
 }
 
-/* Writes one exit for each grid line; other entries are NaN. */
+/* Writes GRID_EXITS entries for each grid line: its exit, then NaN. */
 static void exits(double *positions, const void *solver) {
     const reduced_march *self = solver;
     const reduced_state state = reduced_march_state(self, NULL);

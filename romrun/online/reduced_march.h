@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Marches the reduced model in time: BDF2 steps in the moving frame, for march_run or for a
- * multibody code's own integrator (README.md, In time). The cost of a step does not depend on the
- * size of the grid.
+/* Marches the reduced model in time with BDF2 steps in the moving frame. march_run, or the
+ * integrator of a multibody code, chooses the steps (README.md, In time). The cost of a step does
+ * not depend on the size of the grid.
  * Called by online_transient.c, parts_march.c, romrun/calibrate and snapgen/trajectory.c. */
 #ifndef EHD_REDUCED_MARCH_H
 #define EHD_REDUCED_MARCH_H
@@ -13,9 +13,9 @@
 
 typedef struct reduced_march reduced_march;
 
-/* Creates a march. All inputs must outlive it; threads may share model and splines. EHD_DATA:
- * transport or smoothing differ from the training's, or the discretisation is only for stationary
- * contacts. EHD_MEMORY. */
+/* Creates a march. All inputs must outlive the march. Several threads may share the model and the
+ * splines. EHD_DATA: transport or smoothing differ from the training, or the discretisation is only
+ * for stationary contacts. EHD_MEMORY. */
 ehd_status reduced_march_create(
     // output:
     reduced_march **self, // free with reduced_march_free
@@ -37,28 +37,31 @@ typedef struct film_factors {
 void reduced_march_indicate(reduced_march *self, film_factors factors);
 
 /* Bounds of the relative film errors of the last attempt, without the factors. The minimum film has
- * two bounds: of errors that arrive with the fluid (with the central film's factor), and of errors
- * that arise at the minimum (with their own factor). */
+ * two bounds. `arriving` is for errors that arrive with the fluid; its factor is that of the
+ * central film. `arising` is for errors that arise at the minimum; its factor is that of the
+ * minimum film. */
 typedef struct film_bounds {
     double central, arriving, arising;
 } film_bounds;
 film_bounds reduced_march_bounds(const reduced_march *self);
 
-/* Sets the error that steps may cause in the central film with transport along the path
- * (transient.tolerance). The iterations' tolerance is a fraction of this error. NaN, the default:
- * steps have the tolerance of the settings, which the start always has. */
+/* Sets the error that the steps may cause in the central film, with transport along the path
+ * (transient.tolerance). The tolerance of the iterations is then a fraction of this error. NaN, the
+ * default: steps have the tolerance of the settings. The start always has the tolerance of the
+ * settings. */
 void reduced_march_set_tolerance(reduced_march *self, double tolerance);
 
-/* With transport along the path, lets accepted states be `passing` (bdf.h) if steps are short, for
- * example those of an external integrator. A march with its own histories (march.h) does not need
- * this. */
+/* Allows steps that are much shorter than the grid's step, for example those of an external
+ * integrator. With transport along the path, accepted states may then be `passing` (bdf.h): the
+ * next step does not begin at a passing state but at an earlier state. A march with its own
+ * histories (march.h) does not need this call. */
 void reduced_march_allow_short_steps(reduced_march *self);
 
-/* Returns the solver of the march, for an observer. */
+/* Returns the solver inside the march, for example to set an observer. */
 reduced_solver *reduced_march_inner(reduced_march *self);
 
-/* Returns the march as a solver for march_run. The start is the stationary solution or, at zero
- * speed, a fit through the trained states around it. */
+/* Returns the march as a solver for march_run. The start is the stationary solution. At zero speed
+ * the start is a fit through the neighbouring trained states. */
 march_solver reduced_march_solver(reduced_march *self);
 
 /* Returns the smallest M of the training. */
@@ -69,8 +72,8 @@ reduced_state reduced_march_state(const reduced_march *self, contact_frame *fram
 
 // ---- handing states from and to another model
 
-/* Returns the march of BDF2 steps inside this march, for handing states over. Its reference contact
- * has the smoothing of the model. */
+/* Returns the march of BDF2 steps inside this march, with which states are handed over. Its
+ * reference contact has the smoothing of the model. */
 bdf_march *reduced_march_steps(reduced_march *self);
 
 /* Returns the state `steps` before the next one: 1 is the last accepted state, 0 the last
@@ -83,19 +86,19 @@ reduced_state reduced_march_state_before(const reduced_march *self, size_t steps
 const char *reduced_march_check_range(const reduced_march *self, const contact_frame *now,
                                       const contact_frame *before);
 
-/* Returns trained_range_outside of a frame. */
+/* Returns trained_range_outside for the contact in a frame. */
 double reduced_march_outside(const reduced_march *self, const contact_frame *frame);
 
-/* After states were taken over: takes over the error estimates of their films, converted to this
- * model's factors. `from`: the march of these states; NULL: the full model, whose films have no
- * estimates. `change`, [NUM_ERROR_PLACES]: error of H caused by taking over the last state; this
- * error is added. */
+/* Takes over the error estimates of the films after states were taken over, and converts them to
+ * this model's factors. `from`: the march that had the states; NULL: the full model, whose films
+ * have no estimates. `change`, [NUM_ERROR_PLACES]: error of H that taking over the last state has
+ * caused; this error is added. */
 void reduced_march_take_indicated(reduced_march *self, const reduced_march *from,
                                   const double *change);
 
-/* Returns equations for conditions that differ a little from those of the last attempt, or of the
- * start if no attempt followed. Their state is reduced_march_state_before at 0; after a start, at
- * 1. */
+/* Returns the equations of the last attempt or, if no attempt followed, of the start. The equations
+ * can be evaluated in frames that differ a little from the frame of the attempt. Their solution is
+ * reduced_march_state_before with `steps` = 0; after a start, with `steps` = 1. */
 frame_equations reduced_march_equations(reduced_march *self);
 
 typedef struct reduced_march_effort {

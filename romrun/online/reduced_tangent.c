@@ -16,13 +16,16 @@ struct reduced_tangent {
     row_system system;
     exit_search exits;
     reduced_state state; // state at which the equations are linearised
-    bool with_cell;      // true: the exit lies within the cell of a node, and this cell has a row
-    bool at_place;       // true: the equations set the exit to a node; the flux gives the place of
-                         // the exit in the cell behind this node
+    bool with_cell;      // true: the exit lies within the cell of a node, and the least squares
+                         // have a row for this cell
+    bool at_place;       // true: the exit of the solution is a node; the flux determines where in
+                         // the cell behind this node the exit lies
     size_t num_rows;
-    double *rights;       // [2, system_max_rows] right sides of both neighbouring equations
-    double *along, *slow; // [num_unknowns] changes
-    double *coordinates;  // [num_unknowns] work
+    double *rights;       // [2, system_max_rows] right sides of the equations at -distance/2 and
+                          // +distance/2
+    double *along, *slow; // [num_unknowns] results of reduced_tangent_along and
+                          // reduced_tangent_slow
+    double *coordinates;  // [num_unknowns] work memory
     arena memory;
 };
 
@@ -65,8 +68,8 @@ static ehd_status singular(ehd_error *error) {
 
 // ---- the equations
 
-/* Evaluates the rows at the linearised state and its exit line. If the exit lies within the cell of
- * a node, evaluates this cell too. Returns whether there is such a cell. */
+/* Evaluates the rows at the linearised state, up to its exits. With `with_cell`, also evaluates the
+ * cell of a node within which the exit lies. Returns whether there is such a cell. */
 static bool evaluate(reduced_tangent *self, const reduced_equations *of, bool with_cell) {
     reduced_state *state = &self->state;
     const double approach = state->coordinates[self->model->num_unknowns - 1];
@@ -81,8 +84,8 @@ static bool evaluate(reduced_tangent *self, const reduced_equations *of, bool wi
     return has_cell;
 }
 
-/* Computes the state moved by `distance` times a change, at the nodes. Stores its coordinates in
- * self->coordinates. */
+/* Adds `distance` times a change to the linearised state. Stores the coordinates of the sum in
+ * self->coordinates and evaluates the sum at the nodes. */
 static void move_along(reduced_tangent *self, const reduced_change *change, double distance) {
     const size_t n = self->model->num_unknowns;
 
@@ -91,9 +94,9 @@ static void move_along(reduced_tangent *self, const reduced_change *change, doub
     nodes_expand_state(&self->nodes, NULL, self->coordinates);
 }
 
-/* Fills the right side of the least squares and returns its number of rows. The place of an exit
- * within its cell stays fixed. The necessary change of the place is eliminated from the right side
- * as from the matrix (exit.h). */
+/* Fills the right side of the least squares and returns its number of rows. The residuals are
+ * evaluated with a fixed position of the exit within its cell. The change of this position is then
+ * eliminated from the right side, as from the matrix (exit.h). */
 static size_t fill_right(reduced_tangent *self, const reduced_equations *of) {
     const size_t num_rows =
         system_fill_right(&self->system, &self->nodes, self->state.coordinates, self->system.active,
@@ -123,7 +126,8 @@ ehd_status reduced_tangent_at(reduced_tangent *self, const reduced_state *state,
     return EHD_OK;
 }
 
-/* Computes z = argmin |J z + right|, [num_unknowns], with J of the linearised equations. */
+/* Computes z = argmin |J z + right|, [num_unknowns], where J is the Jacobian of the linearised
+ * equations. */
 static ehd_status solve(reduced_change *change, double *z, reduced_tangent *self,
                         const double *right, ehd_error *error) {
     row_system *system = &self->system;
@@ -156,8 +160,8 @@ ehd_status reduced_tangent_along(reduced_change *change, reduced_tangent *self,
     return status;
 }
 
-/* Computes self->system.right += factor * D rho H at the active rows' nodes, for the state moved by
- * `distance` times a change. */
+/* Computes self->system.right += factor * D rho H at the nodes of the active rows. D: weights of
+ * the rows. rho H is evaluated for the linearised state plus `distance` times a change. */
 static void add_mass(reduced_tangent *self, const reduced_change *change, double distance,
                      const ehd_contact *contact, double factor) {
     const row_set *set = &self->model->rows;
@@ -172,8 +176,8 @@ static void add_mass(reduced_tangent *self, const reduced_change *change, double
     }
 }
 
-/* Adds factor * D X d(rho H)/dX to the right side. The entrainment term of the rows gives
- * d(rho H)/dX. */
+/* Adds factor * D X d(rho H)/dX to the right side. d(rho H)/dX is the difference between the
+ * residuals of the rows without entrainment and with an entrainment of 1. */
 static void add_slope(reduced_tangent *self, const ehd_contact *contact, double factor) {
     const row_set *set = &self->model->rows;
     row_system *system = &self->system;
@@ -191,8 +195,9 @@ static void add_slope(reduced_tangent *self, const ehd_contact *contact, double 
     }
 }
 
-/* Returns how far the residual that least squares leave moves the approach of a change, as
- * functionals_film_error does for a film. The change solves self->system.right. */
+/* Returns the change of the approach in `change` that the remaining least-squares residual causes,
+ * as functionals_film_error does for a film. `change` must be the solution for
+ * self->system.right. */
 static double bound_of_approach(reduced_tangent *self, const reduced_change *change) {
     const row_system *system = &self->system;
     const size_t n = self->model->num_unknowns, num_rows = self->num_rows;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes derivatives of a reduced solution, from the Jacobian of its least squares
+/* Computes derivatives of a reduced solution from the Jacobian of its least-squares problem
  * (romrun/library/README.md, The tangent).
  * Called by online_derivatives.c and frame_tangent.c. */
 #ifndef EHD_REDUCED_TANGENT_H
@@ -9,8 +9,8 @@
 
 typedef struct reduced_tangent reduced_tangent;
 
-/* Creates a tangent. It has its own memory and does not change a solver's last solution. The model
- * must outlive it. Errors: EHD_MEMORY. */
+/* Creates a tangent. The tangent has its own memory, so it does not change the last solution of a
+ * solver. The model must outlive the tangent. Errors: EHD_MEMORY. */
 ehd_status reduced_tangent_create(
     // output:
     reduced_tangent **self, // free with reduced_tangent_free
@@ -21,10 +21,10 @@ reduced_tangent *reduced_tangent_free(reduced_tangent *self); // accepts and ret
 /* The equations of a solution. */
 typedef struct reduced_equations {
     const ehd_contact *contact;
-    const reduced_squeeze *squeeze; // NULL when stationary; `start` and `last` are not used
+    const reduced_squeeze *squeeze; // NULL: stationary. Its members `start` and `last` are not used
 } reduced_equations;
 
-/* Linearises the equations at their solution. `exit_at_node` as in reduced_settings.
+/* Linearises the equations at their solution. `exit_at_node`: as in reduced_settings.
  * EHD_NOT_CONVERGED: the least squares have no single finite solution. */
 ehd_status reduced_tangent_at(
     // in and out:
@@ -35,15 +35,17 @@ ehd_status reduced_tangent_at(
 
 /* A change of the solution. */
 typedef struct reduced_change {
-    const double *coordinates; // [num_unknowns] owned by the tangent; one array for each function
-    double exit_offset;        // move of an exit within its cell, in grid steps; 0 if exits are
-                               // nodes
+    const double *coordinates; // [num_unknowns] owned by the tangent, valid until the next call of
+                               // the function that has filled it
+    double exit_offset;        // change of the exit's position within its cell, in grid steps; 0 if
+                               // exits are nodes
 } reduced_change;
 
-/* Computes the change of the solution per unit of a parameter, from the equations at -distance/2
- * and +distance/2: (J^T J) dz = -J^T dr. Second derivatives, multiplied by the residual of the
- * rows, are neglected. They would change the result by a tenth to a hundredth of the effect of the
- * truncated modes (romrun/library/README.md). EHD_NOT_CONVERGED as above. */
+/* Computes the change dz of the solution per unit of a parameter: (J^T J) dz = -J^T dr. `beside`:
+ * the equations at -distance/2 and +distance/2 of the parameter. dr: difference of their residuals,
+ * divided by `distance`. Second derivatives, multiplied by the residual of the rows, are neglected.
+ * They would change the result by a tenth to a hundredth of the effect of the truncated modes
+ * (romrun/library/README.md). EHD_NOT_CONVERGED: as in reduced_tangent_at. */
 ehd_status reduced_tangent_along(
     // output:
     reduced_change *change,
@@ -52,8 +54,8 @@ ehd_status reduced_tangent_along(
     // input:
     const reduced_equations beside[2], double distance, ehd_error *error);
 
-/* Motion of the frame of the equations: the contacts at -distance/2 and +distance/2, and their
- * scales divided by the scales in the middle. */
+/* Change of the frame along a parameter: the contacts at -distance/2 and +distance/2, and the
+ * scales of their frames divided by the scales of the middle frame. */
 typedef struct reduced_motion {
     const ehd_contact *contacts; // [2]
     double film_scale[2], half_width[2];
@@ -61,14 +63,14 @@ typedef struct reduced_motion {
 } reduced_motion;
 
 /* If a parameter varies as exp(sT), the change of the solution depends on s. Computes the
- * derivative of this change by s at s = 0. `change`: the change at s = 0, from
- * reduced_tangent_along. In the moving frame the squeeze term takes d(rho H)/dT + rho H d(ln film
- * scale)/dT - X d(rho H)/dX d(ln a)/dT. For stationary solutions only. */
+ * derivative of this change by s at s = 0, for stationary solutions only. `change`: the change at
+ * s = 0, from reduced_tangent_along. In the moving frame the squeeze term is d(rho H)/dT + rho H
+ * d(ln film scale)/dT - X d(rho H)/dX d(ln a)/dT, with the half width a. */
 ehd_status reduced_tangent_slow(
     // output:
     reduced_change *slow,
-    double *bound, // how far the residual that least squares leave moves the approach of `slow`,
-                   // with the rows taken as independent
+    double *bound, // change of the approach of `slow` that the remaining least-squares residual
+                   // causes, with the errors of the rows taken as independent
     // in and out:
     reduced_tangent *self,
     // input:
@@ -77,12 +79,12 @@ ehd_status reduced_tangent_slow(
 
 /* Scalars of a solution and its largest pressure, in the contact's frame. */
 typedef struct reduced_quantities {
-    contact_scalars scalars; // NaN for the exit if only its node is known
+    contact_scalars scalars; // the exit is NaN if only its node is known
     double peak_pressure;    // largest P at the needed nodes, in the band and at X = 0
 } reduced_quantities;
 
-/* Returns the quantities for the equations `beside`, whose solution is the state moved by
- * `distance` times a change. */
+/* Returns the quantities of the solution of the equations `beside`. This solution is the linearised
+ * state plus `distance` times a change. */
 reduced_quantities reduced_tangent_quantities(reduced_tangent *self, const reduced_change *change,
                                               double distance, const reduced_equations *beside);
 

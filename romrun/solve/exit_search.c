@@ -6,13 +6,14 @@
 #include <math.h>
 #include <string.h>
 
-/* WINDOW: largest move of an exit between nodes in one iteration, half widths. SETTLED: largest
- * distance of a settled exit from the wanted one, half widths. A move by a node or two hardly
+/* WINDOW: largest move in one iteration of an exit that is a node, half widths. SETTLED: largest
+ * distance between a settled exit and the wanted exit, half widths. A move by a node or two hardly
  * changes the film (README.md, The exit). */
 static const double WINDOW = 0.05, SETTLED = 0.005;
 
-/* Magnitude of the negative pressures that truncation may cause, Hertz pressures. With 1e-5 a model
- * of scenes/examples/line-in-time takes 255 iterations. With 1e-4 it takes 265, with 1e-7 257. */
+/* Magnitude up to which negative pressures are ascribed to the truncated basis and ignored, Hertz
+ * pressures. Iterations of a model of scenes/examples/line-in-time: 255 with a magnitude of 1e-5,
+ * 265 with 1e-4, and 257 with 1e-7. */
 static const double NOISE = 1e-5;
 
 const double exits_near_change = 5e-3;
@@ -54,8 +55,8 @@ static size_t window_begin(const reduced_model *model, size_t exit, size_t windo
 
 // ---- film and rows in the band
 
-/* Returns H at a band node. Evaluates it once per search, since rows of neighbouring grid lines
- * share nodes. */
+/* Returns H at a band node. Rows of neighbouring grid lines share nodes, so H at a node is
+ * evaluated only once per search. */
 static double film_at(const exit_query *query, size_t node, size_t index) {
     exit_search *self = query->search;
 
@@ -83,8 +84,8 @@ typedef struct band_stencil {
     reynolds_fluid fluid;
 } band_stencil;
 
-/* Computes P and H at a boundary node of a stencil. Grid lines on the boundary have no nodes in the
- * band. */
+/* Computes P at a boundary node of a stencil and, unless `banded`, H. `banded`: the grid line of
+ * the node has nodes in the band; grid lines on the boundary have none. */
 static void fill_outer_node(double *pressure, double *film, const exit_query *query, size_t node,
                             bool banded) {
     const reduced_model *model = query->search->model;
@@ -154,8 +155,8 @@ static double flux_at(exit_query *query, size_t node) {
 
 // ---- where the exits should be
 
-/* Returns the first node that may be the exit of a line contact. The stencil of the row at the node
- * before it still lies in the band. */
+/* Returns the first node that may be the exit of a line contact: the stencil of the row at the node
+ * before the exit must lie in the band. */
 static size_t first_exit(const reduced_model *model) {
     const band_line *band = &model->band.lines[0];
     const size_t first = band->begin + reynolds_reach_back(&model->grid) + 1;
@@ -163,7 +164,8 @@ static size_t first_exit(const reduced_model *model) {
     return first > band->min_exit ? first : band->min_exit;
 }
 
-/* Returns the first node from `node` on at which the film alone carries the flux, at most `end`. */
+/* Returns the first node, from `node` to at most `end`, at which the entrained film alone carries
+ * the flux. */
 static size_t node_with_flux(exit_query *query, double flux, size_t node, size_t end) {
     const reduced_model *model = query->search->model;
     const double speed = query->contact->entrainment;
@@ -174,11 +176,11 @@ static size_t node_with_flux(exit_query *query, double flux, size_t node, size_t
 }
 
 /* Finds the exit of a stationary line contact within the window, and returns it. If a pressure is
- * negative, the exit moves back; if the multiplier at the exit is negative, it moves on. In both
- * cases it moves to the first node from there at which the film alone carries the flux. If the exit
- * moved back to the negative pressure itself, some iterations would end with an exit ten nodes too
- * far upstream, where all signs are right (scenes/studies/stationary-line: minimum film 1 %
- * off). */
+ * negative, the exit moves upstream. If the multiplier at the exit is negative, the exit moves
+ * downstream. In both cases the exit moves to the first node, counted from the negative value on,
+ * at which the film alone carries the flux. If the exit moved to the negative pressure itself, some
+ * iterations would end with an exit ten nodes too far upstream, where all signs are right
+ * (scenes/studies/stationary-line: minimum film 1 % off). */
 static size_t find_by_flux(exit_query *query) {
     const reduced_model *model = query->search->model;
     const band_line *band = &model->band.lines[0];
@@ -202,9 +204,10 @@ static size_t find_by_flux(exit_query *query) {
 }
 
 /* Finds the exit of a grid line from the signs of pressure and multiplier in the window, and
- * returns it. In time, a node that enters or leaves the zone with a finite pressure makes the film
- * jump. The multipliers of a whole region then jump too. On a point contact in time, nodes with
- * negative pressure therefore stay outside of the zone; otherwise the exits do not converge. */
+ * returns it. In a transient run, a node that enters or leaves the pressurised zone with a finite
+ * pressure makes the film jump. The multipliers of a whole region then jump too. In a transient
+ * point contact, nodes with negative pressure therefore stay outside of the pressurised zone;
+ * otherwise the exits do not converge. */
 static size_t find_by_signs(exit_query *query, size_t line) {
     const reduced_model *model = query->search->model;
     const band_line *band = &model->band.lines[line];
@@ -225,8 +228,8 @@ static size_t find_by_signs(exit_query *query, size_t line) {
 }
 
 /* Computes P and H at the band nodes around the exit line. The rows at the exits of each grid line
- * and of the neighbouring lines need these nodes. P covers the whole window; behind the exit it is
- * the pressure of the uncut modes. */
+ * and of the neighbouring lines need these nodes. P is computed in the whole window, also behind
+ * the exit, where it is the pressure of the modes before they are set to zero. */
 static void expand_around(exit_query *query) {
     const reduced_model *model = query->search->model;
     const size_t *exits = query->nodes->exit;
@@ -253,8 +256,8 @@ static void expand_around(exit_query *query) {
     }
 }
 
-/* Checks whether the exit is searched for on a grid line: on inner lines `spacing` apart, and on
- * the last inner line. */
+/* Checks whether the exit is searched for on a grid line. The search covers inner lines at
+ * distances of `spacing`, and the last inner line. */
 static bool is_searched(const exit_search *self, size_t line) {
     const ehd_grid *grid = &self->model->grid;
     size_t spacing = (size_t)(self->spacing / grid->step);
@@ -403,7 +406,7 @@ bool exits_move_cell(reduced_state *state, const reduced_model *model, double ch
     return exit >= first && exit <= last;
 }
 
-// ---- moving them
+// ---- moving the exits
 
 /* Returns SETTLED as a number of nodes. */
 static size_t settled_distance(const reduced_model *model) {

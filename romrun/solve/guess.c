@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes starts from the trained solutions, and interpolates error estimates of the grid between
- * them. */
+/* Computes initial states (starts) from the trained solutions. Also interpolates, between these
+ * solutions, the estimated errors due to the full model's grid. */
 #include "romrun/solve/guess.h"
 #include "common/algebra/cholesky.h"
 #include "common/algebra/rounding.h"
@@ -15,16 +15,22 @@
  * (README.md, Starts). */
 enum { NUM_NEIGHBOURS = 24 };
 
-/* Largest number of other starts that are tried after the first one. Of 482 random scenes inside
- * the lower training (scenes/studies/silent-failures, seed 42) the first start solves 434. The
- * next eleven starts solve 38, and the twelve after them 5. A start that leads to no solution
- * takes 38 iterations (test_guess.c, goes_on_to_other_starts). */
+/* Largest number of other starts that are tried after the first one. In 434 of 482 random scenes
+ * inside the trained range of the lower region (scenes/studies/silent-failures, seed 42) the first
+ * start leads to the solution. In 38 more scenes one of the next eleven starts does, and in 5 more
+ * one of the twelve after them. A start that leads to no solution takes 38 iterations
+ * (test_guess.c, goes_on_to_other_starts). */
 enum { MAX_STARTS = 11 };
 
-/* Coordinates of a training solution relative to a contact: differences of four kinds. They are
- * differences of ln M; of ln(1 + alpha p_H) / 2; of the logarithms of viscosity and density at the
- * same Hertz pressure; and of the scaled thinning of the flow. The logarithms are used because the
- * film follows powers of M and of the viscosity's rise. */
+/* Coordinates of a trained solution relative to the contact to be solved: the differences of
+ * - ln M (ALONG_M);
+ * - ln(1 + alpha p_H) / 2 (ALONG_PRESSURE);
+ * - viscosity_coordinate and the logarithm of the density, both at the same Hertz pressure
+ *   (ALONG_VISCOSITY, ALONG_DENSITY);
+ * - the scaled thinning of the flow (ALONG_THINNING, ALONG_GRADIENT).
+ *
+ * The coordinates are logarithms because the film follows powers of M and of the viscosity's
+ * rise. */
 enum {
     ALONG_M,
     ALONG_PRESSURE,
@@ -43,15 +49,15 @@ typedef struct neighbour {
 /* The contact to be solved, in the coordinates of the training solutions. */
 typedef struct wanted_place {
     double along_M, along_pressure, along_thinning, along_gradient;
-    const ehd_lubricant *lubricant; // NULL: any
+    const ehd_lubricant *lubricant; // NULL: the lubricant is not compared
 } wanted_place;
 
 static double viscosity_coordinate(double rise) {
     return 0.5 * log1p(rise);
 }
 
-/* Returns the coordinate of the thinning by sliding. The factor makes the least thinning and a
- * thinning that halves the film as far apart as two loads of ratio ten. */
+/* Returns the coordinate of the thinning by sliding. With the factor 0.25 the least thinning and a
+ * thinning that halves the film are as far apart as two loads of ratio ten. */
 static double along_thinning(flow_thinning thinning) {
     return 0.25 * thinning_coordinate(thinning.sliding);
 }
@@ -66,9 +72,9 @@ static wanted_place place_wanted(const contact_place *of) {
                           of->lubricant};
 }
 
-/* Finds the differences in lubricant between a state and the contact. They stay 0 if the state's
- * lubricant is not known. Returns false if the contact's lubricant has no viscosity at the state's
- * Hertz pressure. */
+/* Finds the differences in lubricant between a state and the contact. If the state's lubricant is
+ * not known, the differences stay 0. Returns false if the contact's lubricant has no viscosity at
+ * the state's Hertz pressure. */
 static bool compare_lubricants(double away[NUM_COORDINATES], const lubricant_rises *there,
                                const wanted_place *here, double alpha_p_H) {
     if (!here->lubricant || isnan(there->of[RISE_VISCOSITY])) return true;
@@ -90,7 +96,8 @@ static double distance_of(const neighbour *place) {
     return sqrt(squares);
 }
 
-/* Returns the place of a state relative to the contact, without comparing the lubricants. */
+/* Returns the coordinates of a state relative to the contact, without a comparison of the
+ * lubricants. */
 static neighbour place_of_state(const reduced_states *states, size_t state,
                                 const wanted_place *here) {
     neighbour place = {.state = state};
@@ -104,16 +111,16 @@ static neighbour place_of_state(const reduced_states *states, size_t state,
     return place;
 }
 
-enum { ANY_EFFECT = -1 }; // includes states without known errors by the grid
+enum { ANY_EFFECT = -1 }; // also lists states whose errors due to the grid are not known
 
-/* Checks whether a state's lubricant is the contact's or is unknown. */
+/* Checks whether the lubricant of a state is the lubricant of the contact, or is not known. */
 static bool is_own(const neighbour *self) {
     return fabs(self->away[ALONG_VISCOSITY]) < ROUNDING &&
            fabs(self->away[ALONG_DENSITY]) < ROUNDING;
 }
 
-/* Checks whether a state may be a start: it is stationary, or the model has no stationary states
- * (`any`). */
+/* Checks whether a state may be used as a start: the state is stationary, or the model has no
+ * stationary states (`any`). */
 static bool is_start(const reduced_states *states, size_t state, bool any) {
     return any || states->stationary[state];
 }
@@ -124,9 +131,10 @@ static bool has_stationary(const reduced_states *states) {
     return false;
 }
 
-/* Lists the nearest stationary states that are farther away than `beyond` and have a known `effect`
- * of the grid. Returns their number. `others` not NULL: lists only states of the contact's own
- * lubricant, and sets whether other lubricants occur. */
+/* Lists the nearest stationary states that are farther away than `beyond`, and whose error estimate
+ * `effect` due to the grid is known. Returns the number of these states. If `others` is not NULL,
+ * lists only states with the contact's own lubricant, and sets *others if there are states with
+ * other lubricants. */
 static size_t nearest_states(neighbour *nearest, const reduced_states *states,
                              const wanted_place *here, double beyond, int effect, bool *others) {
     const bool any = !has_stationary(states);
@@ -136,7 +144,8 @@ static size_t nearest_states(neighbour *nearest, const reduced_states *states,
         if (!is_start(states, s, any)) continue;
         if (effect != ANY_EFFECT && isnan(states->effects[s].of[effect])) continue;
         neighbour fresh = place_of_state(states, s, here);
-        // the state is too far away with any lubricant; comparing lubricants takes most of the time
+        // the state is too far away even with the same lubricant, so the comparison of the
+        // lubricants, which takes most of the time, is skipped
         if (count == NUM_NEIGHBOURS && fresh.distance >= nearest[count - 1].distance &&
             (!others || *others))
             continue;
@@ -158,9 +167,9 @@ static size_t nearest_states(neighbour *nearest, const reduced_states *states,
     return count;
 }
 
-/* A fit through neighbours: number of neighbours, number of the terms 1, x, y, x^2, xy, y^2 in M
- * and pressure, and largest sum of the weights' magnitudes. With a larger sum the fit
- * extrapolates. */
+/* A fit through neighbours: largest number of neighbours; number of terms, taken from 1, x, y, x^2,
+ * xy, y^2 with x along M and y along the pressure; and largest sum of the magnitudes of the
+ * weights. If the sum is larger, the fit extrapolates. */
 typedef struct neighbour_fit {
     size_t max_neighbours, num_terms;
     double max_weight;
@@ -168,19 +177,20 @@ typedef struct neighbour_fit {
 
 enum { MAX_TERMS = 6 + NUM_COORDINATES - ALONG_VISCOSITY };
 
-/* The fits, best first. With half as many neighbours, the neighbours of the quadratic fit would lie
- * on only two lines of a regular plan. */
+/* The fits, best first. If the quadratic fit had half as many neighbours, they would lie on only
+ * two lines of a regular plan. */
 static const neighbour_fit FITS[] = {{NUM_NEIGHBOURS, 6, 1.5}, {6, 3, 2}};
 
-/* Fits that include the coordinates of lubricant and thinning, for neighbours that differ in these.
- * In 3000 scenes of three lubricants (README.md, Several lubricants) a solution takes 3.49
- * iterations with the affine fit to 24 neighbours, and 4.80 without it. */
+/* Fits that include the coordinates of lubricant and thinning. They are used for neighbours that
+ * differ in these coordinates. In 3000 scenes of three lubricants (README.md, Several lubricants) a
+ * solution takes 3.49 iterations with the affine fit to 24 neighbours, and 4.80 without this
+ * fit. */
 static const neighbour_fit FITS_APART[] = {{NUM_NEIGHBOURS, 6, 2}, {NUM_NEIGHBOURS, 3, 2}};
 
 enum { NUM_FITS = 2 };
 
-/* Fills the terms of a neighbour and returns their number. Lubricant and thinning have linear terms
- * only, and only for coordinates in which neighbours differ. */
+/* Fills the terms of a neighbour and returns the number of terms. Lubricant and thinning have only
+ * linear terms, one for each coordinate in which neighbours differ. */
 static size_t fill_terms(double terms[MAX_TERMS], const neighbour *self, size_t num_terms,
                          const bool *differs) {
     const double x = self->away[ALONG_M], y = self->away[ALONG_PRESSURE];
@@ -193,9 +203,9 @@ static size_t fill_terms(double terms[MAX_TERMS], const neighbour *self, size_t 
 }
 
 /* Computes weights of the neighbours in a moving least squares fit, evaluated at the wanted
- * contact. Returns false if the neighbours do not determine the fit, or if it would extrapolate. If
- * round-off hides a singular fit from the factorisation, the sum of the weights still shows it.
- * `differs` [NUM_COORDINATES]. */
+ * contact. Returns false if the neighbours do not determine the fit, or if the fit would
+ * extrapolate. Round-off may hide a singular fit from the factorisation; the sum of the weights
+ * then differs from 1. `differs`, [NUM_COORDINATES]: coordinates in which neighbours differ. */
 static bool fit_weights(double *weights, const neighbour *nearest, size_t count,
                         const neighbour_fit *fit, const bool *differs) {
     // Largest difference of the sum of the weights from 1. The sum is 1 if the neighbours
@@ -258,7 +268,7 @@ static bool do_differ(const neighbour *nearest, size_t count, int coordinate) {
 }
 
 /* Finds the coordinates of lubricant and thinning in which neighbours differ. Returns whether there
- * are any. */
+ * is such a coordinate. */
 static bool find_differences(bool differs[NUM_COORDINATES], const neighbour *nearest,
                              size_t count) {
     bool any = false;
@@ -270,8 +280,8 @@ static bool find_differences(bool differs[NUM_COORDINATES], const neighbour *nea
     return any;
 }
 
-/* Finds the first fit that works, and its weights. Returns how many neighbours it uses; 0: no fit
- * works. */
+/* Finds the first fit that fit_weights accepts, and its weights. Returns the number of neighbours
+ * that this fit uses; 0: no fit is accepted. */
 static size_t first_fit(double *weights, const neighbour *nearest, size_t count,
                         const neighbour_fit fits[NUM_FITS], const bool *differs) {
     for (int f = 0; f < NUM_FITS; f++) {
@@ -281,9 +291,9 @@ static size_t first_fit(double *weights, const neighbour *nearest, size_t count,
     return 0;
 }
 
-/* Finds the weights of the best fit through `count` neighbours, at least one. If lubricants or
- * thinning differ, fits with their terms come first. Returns how many neighbours the fit uses. If
- * no fit works, it uses the nearest neighbour alone. */
+/* Finds the weights of the best fit through `count` neighbours, at least one. If neighbours differ
+ * in lubricant or thinning, fits with terms for these coordinates are tried first. If no fit is
+ * accepted, the nearest neighbour alone is used. Returns the number of neighbours in use. */
 static size_t best_weights(double *weights, const neighbour *nearest, size_t count) {
     const bool none[NUM_COORDINATES] = {false};
     bool differs[NUM_COORDINATES];
@@ -303,8 +313,8 @@ void reduced_guess(reduced_state *state, const reduced_model *model, contact_pla
     double weights[NUM_NEIGHBOURS];
     size_t states[NUM_NEIGHBOURS];
 
-    // tries states of the same lubricant first, since differences of lubricants act more than
-    // linearly
+    // first tries the states of the same lubricant, because the effect of a different lubricant is
+    // not linear
     bool others = false;
     size_t count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, &others);
     const bool differs[NUM_COORDINATES] = {
@@ -327,8 +337,8 @@ void reduced_guess(reduced_state *state, const reduced_model *model, contact_pla
     start_shift_apply(state->coordinates, model, states, weights, count);
 }
 
-/* Starts from one trained solution: the nearest one after `skipped` others. Returns false if there
- * are no more. */
+/* Sets the initial state to one trained solution: the nearest one after `skipped` nearer solutions.
+ * Returns false if there is no such solution. */
 static bool start_from_state(reduced_state *state, const reduced_model *model,
                              const wanted_place *here, size_t skipped) {
     neighbour nearest[NUM_NEIGHBOURS];
@@ -378,9 +388,9 @@ void reduced_neighbour(reduced_state *state, const reduced_model *model, contact
 
 // ---- error estimates of the grid
 
-/* Interpolates one error estimate at a contact between the nearest states with known estimates. It
- * interpolates logarithms, since the errors follow powers of M and of the viscosity's rise.
- * Infinite if the nearest state's estimate is infinite. */
+/* Interpolates one error estimate at a contact between the nearest states with known estimates. The
+ * function interpolates logarithms, because the errors follow powers of M and of the viscosity's
+ * rise. Returns infinity if the estimate of the nearest state is infinite. */
 static double effect_at(const reduced_states *states, const neighbour *nearest, size_t count,
                         int effect) {
     // Smallest estimate, relative to a film. It replaces estimates of 0, which have no logarithm

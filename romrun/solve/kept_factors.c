@@ -37,9 +37,10 @@ void kept_factors_set(kept_factors *self, const row_system *system, const node_s
  * factors_serve_while_exits_are_near). */
 static const double MAX_EXIT_DISTANCE = 0.025;
 
-/* Returns at least one node for point contacts, whose grid steps are longer than MAX_EXIT_DISTANCE.
- * Without this node, exits that move by a node would make the factors useless in six of seven time
- * steps. The node saves 21 to 25 % of the instructions (65 nodes a side, periods 1/2 and 3/4). */
+/* For point contacts, whose grid steps are longer than MAX_EXIT_DISTANCE, the result is at least
+ * one node. If it were zero, exits that move by a node would make the factors useless in six of
+ * seven time steps. The one node saves 21 to 25 % of the instructions (65 nodes a side, load
+ * periods 1/2 and 3/4). */
 size_t kept_factors_reach(const reduced_model *model) {
     const double nodes = MAX_EXIT_DISTANCE / model->grid.step;
 

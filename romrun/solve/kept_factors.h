@@ -17,7 +17,7 @@ typedef struct kept_factors {
     size_t *row;         // [num_rows] indices of the Reynolds rows in the model
     double weight;       // weight of the closure
     double rate;         // rate of the squeeze term (reduced_squeeze)
-    reduced_state start; // start of the present iteration, restored on failure
+    reduced_state start; // initial state of the present iteration, restored on failure
 } kept_factors;
 
 /* Initialises with memory from an arena; factors and state allocate their own memory. */
@@ -28,11 +28,12 @@ void kept_factors_free(kept_factors *self);
 void kept_factors_set(kept_factors *self, const row_system *system, const node_state *nodes,
                       double closure_weight);
 
-/* Returns by how many nodes the exit of a grid line may differ from the Jacobian's exit. */
+/* Returns the largest allowed distance, in nodes, between the exit of a grid line and the exit at
+ * which the Jacobian was evaluated. */
 size_t kept_factors_reach(const reduced_model *model);
 
-/* Checks whether the exit of each grid line is near the Jacobian's exit. Otherwise the stored
- * factorisation does not match the active rows. */
+/* Checks whether the exit of each grid line is near the exit at which the Jacobian was evaluated.
+ * If an exit is not near, the factors do not match the rows before the exit. */
 bool kept_factors_are_near(const kept_factors *self, const reduced_model *model,
                            const reduced_state *state);
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Solves normal equations with scaled columns, at a fifth of the cost of QR. If their Cholesky
- * factorisation is not safe, QR is used. Newton's limit is given by J^T f = 0, evaluated from J
- * itself, so that the squared condition number affects the convergence only. */
+/* Solves normal equations with scaled columns, at a fifth of the cost of QR. If the Cholesky
+ * factors are not accurate enough, QR is used. The normal equations have the squared condition
+ * number, but this affects only the speed of convergence: the limit of Newton's iteration is given
+ * by J^T f = 0, which is computed from J itself. */
 #include "romrun/solve/least_squares.h"
 
 #include "common/algebra/cholesky.h"
@@ -19,17 +20,18 @@ struct least_squares {
     double *scale;      // [num_columns] 1 / norm of the column
     double *scaled;     // [num_columns + 1, longest] scaled columns and right side, for QR
     double *gram;       // [num_columns, num_columns], then its lower factor
-    size_t factor_size; // order of the factor: num_columns without zero columns
-    bool by_qr;         // the factor comes from QR
+    size_t factor_size; // order of the factor; with QR the number of columns that are not zero
+    bool by_qr;         // true: the factor comes from QR
     double *right;      // [longest]
     double *direction;  // [longest] work of qr_solve
     arena memory;       // memory of all arrays
 };
 
-/* Reciprocal condition of the Gram matrix below which QR is used. Measured on random columns: the
- * error of the solution is 1e-5 at a condition number of 1e6. It is up to 1e-3 at 1e7, where this
- * limit lies. At 1e8 no digit is right (test_least_squares.c,
- * qr_takes_over_where_normal_equations_fail; docs/history.md, conditioning). */
+/* Reciprocal condition number of the Gram matrix below which QR is used. Measured on random
+ * matrices: if the condition number of the matrix is 1e6, the error of the solution is 1e-5. At
+ * 1e7, where this limit lies, the error is up to 1e-3. At 1e8 no digit is right
+ * (test_least_squares.c, qr_takes_over_where_normal_equations_fail; docs/history.md,
+ * conditioning). */
 static const double MIN_RCOND = 1e-13;
 
 least_squares *least_squares_free(least_squares *self) {
@@ -53,8 +55,8 @@ least_squares *least_squares_create(size_t max_rows, size_t num_columns) {
 }
 
 /* Scales the columns to unit norm and computes the lower part of their Gram matrix. Zero columns
- * get the scale zero. Columns that are not finite get NaN: if they were treated as zero columns,
- * the other columns would still have a solution. */
+ * get the scale zero. Columns that are not finite get the scale NaN, so that no solution is found.
+ * If they were treated as zero columns, the other columns would still have a solution. */
 static void scaled_gram(least_squares *self, const double *matrix, size_t num_rows) {
     size_t n = self->num_columns;
 
@@ -70,7 +72,8 @@ static void scaled_gram(least_squares *self, const double *matrix, size_t num_ro
     }
 }
 
-/* Factorises the Gram matrix by Cholesky. Returns false if it is not safely positive definite. */
+/* Factorises the Gram matrix by Cholesky. Returns 0 if the matrix is not positive definite, or if
+ * its condition number is too large (MIN_RCOND). */
 static int factorise_gram(least_squares *self, const double *matrix, size_t num_rows) {
     int n = (int)self->num_columns;
     double norm, rcond = 0;
@@ -101,8 +104,8 @@ static void solve_gram(double *solution, const least_squares *self, const double
     cholesky_solve(solution, self->gram, n);
 }
 
-/* Fills `scaled` with the scaled columns that are not zero, and the right side. Returns the number
- * of these columns. */
+/* Fills `scaled` with the scaled columns that are not zero, and then with the right side. Returns
+ * the number of columns, without the right side. */
 static size_t fill_scaled(least_squares *self, const double *matrix, const double *right,
                           size_t num_rows) {
     const size_t n = self->num_columns;
@@ -120,8 +123,8 @@ static size_t fill_scaled(least_squares *self, const double *matrix, const doubl
     return kept;
 }
 
-/* Solves by QR of the scaled matrix without its zero columns. NaN if there are fewer rows than
- * columns. */
+/* Solves by QR of the scaled matrix without its zero columns. The solution is NaN if there are
+ * fewer rows than columns. */
 static void solve_qr(double *solution, least_squares *self, const double *matrix,
                      const double *right, size_t num_rows) {
     const size_t n = self->num_columns, kept = fill_scaled(self, matrix, right, num_rows);
@@ -130,7 +133,7 @@ static void solve_qr(double *solution, least_squares *self, const double *matrix
     if (solvable) qr_solve(self->right, self->scaled, self->direction, num_rows, kept);
     self->by_qr = true;
     self->factor_size = kept;
-    for (size_t j = 0; j < kept && solvable; j++) // R^T by columns
+    for (size_t j = 0; j < kept && solvable; j++) // stores R^T by columns
         for (size_t i = j; i < kept; i++)
             self->gram[j * kept + i] = self->scaled[i * num_rows + j];
     for (size_t j = 0, from = 0; j < n; j++)

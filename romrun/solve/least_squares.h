@@ -14,9 +14,9 @@ typedef struct least_squares least_squares;
 least_squares *least_squares_create(size_t max_rows, size_t num_columns); // NULL: no memory
 least_squares *least_squares_free(least_squares *workspace); // accepts and returns NULL
 
-/* Computes solution = argmin |matrix solution + right|. It is zero for zero columns (modes that lie
- * behind the exit). EHD_NOT_CONVERGED: the matrix is not finite, or the non-zero columns are
- * exactly dependent, for example if they outnumber the rows. */
+/* Computes solution = argmin |matrix solution + right|. The solution is zero for zero columns
+ * (modes that lie behind the exit). EHD_NOT_CONVERGED: the matrix is not finite, or the non-zero
+ * columns are exactly dependent, for example if there are more columns than rows. */
 ehd_status least_squares_solve(
     // output:
     double *solution, // [num_columns]
@@ -25,7 +25,8 @@ ehd_status least_squares_solve(
     const double *right,                            // [num_rows]
     size_t num_rows);
 
-/* Factorises the normal equations, for least_squares_again. EHD_NOT_CONVERGED: not safe. */
+/* Factorises the normal equations by Cholesky, for least_squares_again. EHD_NOT_CONVERGED: the
+ * factors would not be accurate enough. */
 ehd_status least_squares_factorise(
     // in and out:
     least_squares *workspace,
@@ -35,7 +36,7 @@ ehd_status least_squares_factorise(
 /* Computes solution = -(J^T J)^-1 matrix^T right with the J of the last least_squares_solve or
  * least_squares_factorise. If J is `matrix`, this is the least-squares solution. If J is only near
  * `matrix`, this is a step of an iteration whose fixed point depends on `matrix` alone.
- * EHD_NOT_CONVERGED: J has no safe normal equations, or the solution is not finite. */
+ * EHD_NOT_CONVERGED: J was factorised by QR, or the solution is not finite. */
 ehd_status least_squares_again(
     // output:
     double *solution, // [num_columns]
@@ -45,8 +46,8 @@ ehd_status least_squares_again(
     size_t num_rows);
 
 /* Computes dual = (J^T J)^-1 functional for the last factorised J. Entry r of J dual is the change
- * of functional^T solution caused by an error of 1 in row r. Not finite if the factors are
- * singular. */
+ * of functional^T solution caused by an error of 1 in row r. The result is not finite if the
+ * factors are singular. */
 void least_squares_dual(
     // output:
     double *dual, // [num_columns]

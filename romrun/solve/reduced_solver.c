@@ -19,11 +19,11 @@ struct reduced_solver {
     reduced_settings settings;
     node_state nodes;
     row_system system;        // the least-squares problem
-    exit_search exits;        // where the exit line should be
-    kept_factors kept;        // factors of an earlier time step's Jacobian
+    exit_search exits;        // the search for the exit line
+    kept_factors kept;        // factors of the Jacobian of an earlier time step
     kept_factors near;        // factors of a Jacobian near the present solution
-    const kept_factors *used; // factors of the last solution; NULL: its own Jacobian
-    double remaining;         // estimated ratio of the next step's change to the last step's
+    const kept_factors *used; // factors that the last solution used; NULL: new Jacobians
+    double remaining;         // estimated change by a next step over the change by the last step
     size_t num_solutions;
     size_t num_factors; // number of Jacobians that were factorised to be kept
     reduced_observer *observer;
@@ -111,9 +111,9 @@ static ehd_status fail(reduced_info *info, const char *reason) {
 
 // ---- Gauss-Newton
 
-/* Pressures at which rows are evaluated: the state's or, while a step in time is far from its
- * solution, those of system_about. ABOUT_FIRST: system_about uses the pressures of the last
- * state. */
+/* Pressures at which rows are evaluated. AT_STATE: pressures of the state. ABOUT_FIRST, ABOUT_NEXT:
+ * pressures of system_about, while a time step is far from its solution. With ABOUT_FIRST,
+ * system_about uses the pressures of the last state. */
 typedef enum { AT_STATE, ABOUT_FIRST, ABOUT_NEXT } row_pressures;
 
 /* Evaluates rows and their derivatives at the state and its exit line. */
@@ -130,8 +130,8 @@ static void evaluate(reduced_solver *self, const reduced_state *state, const red
     system_evaluate(&self->system, &self->nodes, approach, contact, squeeze, about);
 }
 
-/* Builds the least-squares problem from the rows before the exit and, if the exit has a cell, the
- * cell's row. Returns the number of rows. */
+/* Builds the least-squares problem from the rows before the exit and, if `with_cell`, the row of
+ * the cell in which the exit lies. Returns the number of rows. */
 static size_t build_system(reduced_solver *self, const reduced_state *state,
                            const reduced_squeeze *squeeze, bool with_cell) {
     row_system *system = &self->system;
@@ -175,16 +175,17 @@ static ehd_status observe(reduced_solver *self, ehd_error *error) {
 }
 
 /* MAX_PRESSURE_CHANGE: largest change of the pressure in one iteration, Hertz pressures.
- * MIN_FILM_LEFT: fraction of the smallest film that an iteration must leave. Both limits set the
- * damping. Measured by solving from each of twelve trained solutions to each other one: with a
- * pressure change of 0.3 all are found, in 850 iterations. With 0.1 four are lost, in 863
- * iterations. With 1 two are lost, in 893 iterations. Fractions up to 0.5 change nothing
+ * MIN_FILM_LEFT: fraction of the smallest film that must remain after an iteration. A step that
+ * exceeds one of these limits is damped. Measured by solving each of twelve trained contacts from
+ * the solution of each other one. If MAX_PRESSURE_CHANGE is 0.3, all solutions are found, in 850
+ * iterations. If it is 0.1, four solutions are not found, in 863 iterations. If it is 1, two
+ * solutions are not found, in 893 iterations. A MIN_FILM_LEFT of up to 0.5 changes nothing
  * (test_reduced_solver.c, any_trained_solution_leads_to_any_other). */
 static const double MAX_PRESSURE_CHANGE = 0.3;
 static const double MIN_FILM_LEFT = 0.2;
 
-/* Returns the damping factor for the step at the needed nodes. *change: largest undamped change of
- * P. */
+/* Returns the damping factor of a step, from the changes of P and H at the needed nodes. *change:
+ * largest change of P by the undamped step. */
 static double damping(double *change, node_state *nodes, const double *step) {
     size_t num_needed = nodes->model->rows.num_needed;
     const double *film = nodes->now.film;
@@ -232,21 +233,22 @@ static iterate take_step(reduced_state *state, reduced_solver *self, const itera
 }
 
 /* The iteration has converged if the next iteration would change P by less than this limit, Hertz
- * pressures. Sixty contacts around scenes/examples/line take 258 iterations, with 1e-2 as well.
- * With 1e-6 they take 282, and the films change by less than 1e-10. */
+ * pressures. Sixty contacts around scenes/examples/line take 258 iterations with a limit of 1e-4
+ * and with a limit of 1e-2. With a limit of 1e-6 they take 282, and the films change by less than
+ * 1e-10. */
 static const double PRESSURE_TOLERANCE = 1e-4;
 
-/* Returns the estimated ratio of the next iteration's change to this one's. Convergence is taken as
- * quadratic, so this ratio is the square of the observed rate. The linear convergence of
- * Gauss-Newton is slower only where the rate is small. */
+/* Returns the estimated change by the next iteration, divided by the change by this iteration.
+ * Convergence is taken as quadratic, so this ratio is the square of the observed rate. Near the
+ * solution Gauss-Newton converges only linearly. This is slower only where the rate is small. */
 static double next_rate(const iterate *now) {
     const double rate = fmin(now->rate, 1);
 
     return rate * rate;
 }
 
-/* Checks whether another iteration would change film and pressure by less than the tolerances.
- * Damped steps are far from convergence and show no rate. */
+/* Checks whether another iteration would change film and pressure by less than the tolerances. A
+ * damped step is far from convergence and gives no rate. */
 static bool converged(const iterate *before, const iterate *now, double tolerance) {
     const double next = next_rate(now);
 
@@ -256,15 +258,15 @@ static bool converged(const iterate *before, const iterate *now, double toleranc
 }
 
 /* Sets the exit line of the first iteration. The exit line of a stationary start comes from a fit
- * to other contacts. On a point contact with exits searched on all grid lines, adapting this exit
- * line to the start saves iterations. */
+ * to other contacts. If the exits of a point contact are searched on all grid lines, moving this
+ * exit line to fit the initial pressures saves iterations. */
 static void start_exits(reduced_solver *self, reduced_state *state, const ehd_contact *contact,
                         const reduced_squeeze *squeeze) {
     exits_watch(&self->exits, squeeze != NULL);
     if (squeeze || self->model->band.num_lines == 1) return;
     nodes_move_exit(&self->nodes, reduced_state_exits(state));
     exits_adapt(&self->exits, &self->nodes, state, contact, NULL, INFINITY);
-    exits_watch(&self->exits, false); // the first move does not count as a turn
+    exits_watch(&self->exits, false); // this move does not count as a change of direction
 }
 
 static bool end_near(reduced_info *info, reduced_state *state, reduced_solver *self,
@@ -276,9 +278,10 @@ static const double *band_modes(const reduced_model *model, size_t node) {
 
 /* Sets P to 0 at the nodes of a line contact that have joined the pressurised zone because the exit
  * moved downstream from `exit`. Behind an exit no row determines the modes: round-off leaves
- * pressures of up to 1e6 p_H there, which shorter steps do not remove. Of all states with P = 0 at
- * these nodes, the new state changes the rows of the last system least. Each direction (J^T J)^-1
- * phi_k is made orthogonal to the earlier nodes. */
+ * pressures of up to 1e6 p_H there, and shorter time steps do not remove these pressures. Of all
+ * states with P = 0 at the joining nodes, the new state changes the rows of the last system least.
+ * The direction for node k is (J^T J)^-1 phi_k, where phi_k are the values of the modes at node k.
+ * It is changed so that it leaves P at the earlier nodes as it is. */
 static void join_nodes(reduced_state *state, reduced_solver *self, size_t exit) {
     const reduced_model *model = self->model;
     const size_t n = model->num_unknowns, p = model->num_pressure;
@@ -302,23 +305,23 @@ static void join_nodes(reduced_state *state, reduced_solver *self, size_t exit) 
     }
 }
 
-/* Runs the algorithm of Maier et al. (2015), section 3: Gauss-Newton on the weighted least
- * squares of the selected rows. The exit line is adapted in each iteration. In time, after an
- * iteration that changes the pressure by less than exits_near_change, it tries to end with one more
- * Jacobian (end_near). Returns an error only if the observer or memory fails; the outcome is
- * info->status. */
+/* Runs the algorithm of Maier et al. (2015), section 3: Gauss-Newton on the weighted least squares
+ * of the selected rows. The exit line is adapted in each iteration. In a transient run, after an
+ * iteration that changes the pressure by less than exits_near_change, the function tries to finish
+ * with one more Jacobian (end_near). The outcome is info->status. The function returns an error
+ * only if the observer or memory fails. */
 static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                                const ehd_contact *contact, const reduced_squeeze *squeeze,
                                ehd_error *error) {
     const bool within_node =
         !squeeze && !self->settings.exit_at_node && exit_is_within_node(&self->model->grid);
     const bool in_time = squeeze && !self->observer && !self->settings.solve_linear;
-    bool tried = !in_time; // true: the Jacobian near the solution was tried
+    bool tried = !in_time; // true: end_near has been tried, or is not used
     row_pressures at = in_time && squeeze->last ? ABOUT_FIRST : AT_STATE;
     const reduced_values *known = NULL;
     iterate before = {NAN, NAN, 0, NAN, 0}, now;
     double start = program_seconds();
-    bool joined = false; // nodes have joined the pressurised zone, so values are not known
+    bool joined = false; // true: nodes joined the pressurised zone, which changes the values
 
     if (!within_node) state->exit_offset = NAN;
     info->own_jacobian = true;
@@ -371,7 +374,7 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
         joined = squeeze && is_line(self->model) && state->exit > exit;
         if (joined) join_nodes(state, self, exit);
         start = add_seconds(&info->seconds_exit, start);
-        if (within_node && !with_cell) continue; // converged at best with the exit at a node
+        if (within_node && !with_cell) continue; // not converged: the exit is still a node
         if (moved || at != AT_STATE || !converged(&before, &now, self->settings.tolerance))
             continue;
         self->remaining = next_rate(&now);
@@ -384,23 +387,24 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
 
 // ---- in time, with the factors of an earlier Jacobian
 
-/* Largest ratio of successive changes with kept factors (romrun/online/README.md, In time), and the
- * ratio that is assumed before the second step. With 0.5 a reduced model of
- * scenes/examples/line-in-time (step 0.02) takes 279 iterations. With 0.2 it takes 250, of which
- * more have own Jacobians. With 0.9 it takes 339 (test_kept_factors.c,
+/* Largest ratio of successive changes with kept factors (romrun/online/README.md, In time). This
+ * ratio is also assumed for the first step, when no ratio is known. Iterations of a reduced model
+ * of scenes/examples/line-in-time (step 0.02): 279 with a largest ratio of 0.5, and 339 with 0.9.
+ * With 0.2 there are 250 iterations, but more of them compute new Jacobians (test_kept_factors.c,
  * kept_factors_serve_steps_alike). */
 static const double MAX_KEPT_RATE = 0.5;
 
-/* Changes of P in one iteration with kept factors (L2 norm). MAX_KEPT_CHANGE: change above which
- * the iteration would need damping. KEPT_TOLERANCE: tolerance of the change. The norm follows from
- * the coordinates and does not depend on the grid. The line contact under a load of period 1/2
- * (scenes/studies/transient-load) takes 370 iterations with own Jacobians and 1768 with kept ones.
- * With a MAX_KEPT_CHANGE of 2e-3 it takes 685 and 1143, and 22 % more instructions. With a
- * KEPT_TOLERANCE of 7e-5 the film of scenes/examples/line-in-time changes by 4e-4. With 7e-6 that
- * example takes 255 iterations, with 7e-7 it takes 328. */
+/* Limits of the change of P in one iteration with kept factors (L2 norm). MAX_KEPT_CHANGE: an
+ * iteration with a larger change would need damping. KEPT_TOLERANCE: tolerance of the change. The
+ * norm follows from the coordinates and does not depend on the grid. The line contact under a load
+ * of period 1/2 (scenes/studies/transient-load) takes 370 iterations with new Jacobians and 1768
+ * with kept factors. With a MAX_KEPT_CHANGE of 2e-3 these numbers are 685 and 1143, and the march
+ * takes 22 % more instructions. With a KEPT_TOLERANCE of 7e-5 the film of
+ * scenes/examples/line-in-time changes by 4e-4. This example takes 255 iterations with a
+ * KEPT_TOLERANCE of 7e-6, and 328 with 7e-7. */
 static const double MAX_KEPT_CHANGE = 2e-2, KEPT_TOLERANCE = 7e-6;
 
-/* Makes factors of the Jacobian at the state where the rows have been evaluated. */
+/* Factorises the Jacobian at the state at which the rows have been evaluated. */
 static void make_factors(kept_factors *factors, reduced_solver *self,
                          const reduced_squeeze *squeeze) {
     const double weight = system_closure_weight(squeeze);
@@ -446,7 +450,8 @@ typedef struct kept_iterate {
  * is useless. */
 typedef enum { KEPT_CONVERGED, KEPT_SLOW, KEPT_FAILED } kept_outcome;
 
-/* Takes one step. Returns false if it converges too slowly or needs damping. */
+/* Takes one step with kept factors. Returns false, without taking the step, if the iteration
+ * converges too slowly or would need damping. */
 static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *state,
                            reduced_solver *self, const kept_factors *kept) {
     const reduced_model *model = self->model;
@@ -471,12 +476,12 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
     return true;
 }
 
-/* Iterates with `factors`: the kept factors, or the factors near the solution. It makes the latter
- * at the start. */
+/* Iterates with `factors`, which are the kept factors or the factors near the solution. The factors
+ * near the solution are made in the first iteration. */
 static kept_outcome iterate_with(kept_factors *factors, reduced_info *info, reduced_state *state,
                                  reduced_solver *self, const ehd_contact *contact,
                                  const reduced_squeeze *squeeze) {
-    const bool made = factors == &self->near; // true: rows are evaluated as in reduced_keep_factors
+    const bool made = factors == &self->near; // true: makes factors as reduced_keep_factors does
     const reduced_values *known = made ? NULL : squeeze->start;
     kept_iterate at = {.change = NAN};
     double start = program_seconds();
@@ -505,9 +510,10 @@ static kept_outcome iterate_with(kept_factors *factors, reduced_info *info, redu
     return KEPT_FAILED;
 }
 
-/* Iterates with factors of the Jacobian at the state, which is near the solution. Returns false if
- * the iteration does not converge; the state is then the initial one. Also returns false if exits
- * have moved, so that other rows are active; the state is then nearer to the solution. */
+/* Iterates with factors of the Jacobian at the state, which is near the solution. Returns false in
+ * two cases:
+ * - The iteration does not converge. The state is then the initial state.
+ * - Exits have moved, so that other rows are active. The state is then nearer to the solution. */
 static bool end_near(reduced_info *info, reduced_state *state, reduced_solver *self,
                      const ehd_contact *contact, const reduced_squeeze *squeeze) {
     const size_t bytes = self->model->band.num_lines * sizeof(size_t);
@@ -523,17 +529,18 @@ static bool end_near(reduced_info *info, reduced_state *state, reduced_solver *s
     return info->near_factors;
 }
 
-/* Returns whether to try the kept factors. If their time step was shorter by a factor q, each
- * change of the solution is too small by q, and the rate of convergence is 1 - 1/q. If this rate
- * exceeds MAX_KEPT_RATE, such a small change would be mistaken for convergence. */
+/* Returns whether to try the kept factors. If the factors were made for a time step that is shorter
+ * by a factor q, each iteration makes only 1/q of the necessary change, and the rate of convergence
+ * is 1 - 1/q. If this rate exceeds MAX_KEPT_RATE, such a small change would be mistaken for
+ * convergence. */
 static bool kept_are_of_use(const reduced_solver *self, const reduced_squeeze *squeeze) {
     return squeeze && self->kept.valid && !self->observer &&
            self->kept.rate * (1 - MAX_KEPT_RATE) <= squeeze->rate;
 }
 
-/* Iterates with the kept factors, if they are of use. If this converges too slowly, goes on with
- * factors of the Jacobian at the state reached. If this fails, iterates from the initial state with
- * own Jacobians. */
+/* Iterates with the kept factors, if they are of use. If this iteration converges too slowly,
+ * continues with factors of the Jacobian at the state reached. If this fails too, iterates from the
+ * initial state with new Jacobians. */
 static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver *self,
                         const ehd_contact *contact, const reduced_squeeze *squeeze,
                         ehd_error *error) {
@@ -556,13 +563,13 @@ static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver
 
 // ---- solving
 
-/* Expands a state. `known`: its values, or NULL. */
+/* Computes P and H of a state at the needed nodes. `known`: values of the state, or NULL. */
 static void expand(reduced_solver *self, const reduced_state *state, const reduced_values *known) {
     nodes_move_exit(&self->nodes, reduced_state_exits(state));
     nodes_expand_state(&self->nodes, known, state->coordinates);
 }
 
-/* Returns the scalars of the expanded state. */
+/* Returns the scalars of the state, after expand. */
 static contact_scalars scalars_of(reduced_solver *self, const reduced_state *state,
                                   const ehd_contact *contact) {
     return nodes_scalars(&self->nodes, state->coordinates,
@@ -576,7 +583,7 @@ ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solve
 
     *info = (reduced_info){.status = EHD_NOT_CONVERGED, .reason = ""};
     ehd_status status = solve(info, state, solver, contact, squeeze, error);
-    // in time the values are bit-identical to those of reduced_values_of
+    // in transient runs the values have to be bit-identical to the values of reduced_values_of
     const bool in_time = squeeze || solver->settings.exit_at_node;
     if (!status) {
         expand(solver, state, in_time ? NULL : &solver->nodes.now.values);

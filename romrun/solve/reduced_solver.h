@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Solves a contact online: Gauss-Newton on the weighted least squares of the selected rows, with a
- * local exit boundary (Maier et al. (2015), eqs. 28, 37-39). Its cost does not depend on the grid.
+/* Solves a contact with the reduced model: Gauss-Newton on the weighted least squares of the
+ * selected rows, with an exit line that each iteration may move (Maier et al. (2015), eqs. 28,
+ * 37-39). The cost does not depend on the grid.
  * Called by guess.c and romrun/online, by snapgen, and by podbuild/test_weight.c. */
 #ifndef EHD_REDUCED_SOLVER_H
 #define EHD_REDUCED_SOLVER_H
@@ -9,10 +10,10 @@
 #include "romrun/state/reduced_state.h"
 #include <stdbool.h>
 
-/* Solves the least-squares problem of an iteration, step = argmin |matrix step + right|. The rows
- * are the model's weighted rows before the exit, in the model's order, then the linear equations.
- * Tests and research set other methods or weights in reduced_settings. EHD_NOT_CONVERGED: there is
- * no solution. */
+/* Solves the least-squares problem of an iteration, step = argmin |matrix step + right|. The first
+ * rows are the model's weighted rows before the exit, in the model's order. The linear equations
+ * follow. Tests and research programs may set a function with another method or other weights in
+ * reduced_settings. EHD_NOT_CONVERGED: there is no solution. */
 typedef ehd_status reduced_linear_solver(double *step, // out: [num_unknowns]
                                          void *context,
                                          const double *matrix, // [num_rows, num_unknowns]
@@ -20,8 +21,8 @@ typedef ehd_status reduced_linear_solver(double *step, // out: [num_unknowns]
                                          size_t num_rows, size_t num_unknowns);
 
 typedef struct reduced_settings {
-    // the iteration ends when the next one would change the central film by a smaller fraction;
-    // default 1e-8
+    // the iteration ends when another iteration would change the central film by less than this
+    // fraction; default 1e-8
     double tolerance;
     size_t max_iterations; // default 40
     // distance between the grid lines of a point contact on which the exit is searched for, half
@@ -29,8 +30,8 @@ typedef struct reduced_settings {
     // the default: all lines are searched, since interpolation needs more iterations and saves no
     // time.
     double exit_spacing;
-    bool exit_at_node; // true: each exit is a node, as in time; false: it may lie between nodes
-                       // (exit_is_within_node)
+    bool exit_at_node; // true: each exit is a node, as in transient runs; false: an exit may lie
+                       // between nodes (exit_is_within_node)
     reduced_linear_solver *solve_linear; // NULL: least_squares_solve
     void *linear_context;
 } reduced_settings;
@@ -41,22 +42,23 @@ reduced_settings reduced_default_settings(void);
 typedef struct reduced_info {
     ehd_status status; // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED (exit not settled)
     size_t iterations;
-    bool own_jacobian; // solved with new Jacobians, not with the factors kept before
-    bool near_factors; // the last iterations used the factors of the last new Jacobian
+    bool own_jacobian; // true: new Jacobians were computed; false: kept factors sufficed
+    bool near_factors; // true: the last iterations used the factors of one new Jacobian
     double residual;   // |D f| of the rows and the linear equations, at the last iteration
     contact_scalars scalars;
     double seconds, seconds_rows, seconds_linear, seconds_exit;
     const char *reason;
 } reduced_info;
 
-/* Receives D f and D J dz of every iteration, the snapshots of the row selection (section 3.2).
- * Entries of rows behind the exit are zero. */
+/* Receives the weighted residual D f and the weighted step D J dz of every iteration. These are the
+ * snapshots of the row selection (Maier et al. (2015), section 3.2). Entries of rows behind the
+ * exit are zero. */
 typedef ehd_status reduced_observer(void *context, const double *weighted_residual, // [num_rows]
                                     const double *weighted_step,                    // [num_rows]
                                     ehd_error *error);
 
-/* Receives the outcome at the end of a solution. The values of a diverged iteration are larger than
- * all other values together and should not be kept. */
+/* Receives the outcome at the end of a solution. If the iteration diverged, the values that the
+ * observer received are larger than all other values together and should not be kept. */
 typedef ehd_status reduced_observer_end(void *context, const reduced_info *info, ehd_error *error);
 
 /* The squeeze term: the time derivative of rho H is rate * rho H + previous. */
@@ -65,13 +67,16 @@ typedef struct reduced_squeeze {
     const double *previous;                            // [num_rows] at the model's rows
     double (*previous_at)(void *context, size_t node); // returns `previous` at a node of the band
     void *context;
-    const reduced_values *start; // values of the start; NULL: not known
-    const double *last;          // [num_needed] uncut P of the previous state; NULL: not known
+    const reduced_values *start; // values of the initial state; NULL: these values are not known
+    // [num_needed] P of the state of the previous time step, not set to zero behind the exit; NULL:
+    // these pressures are not known
+    const double *last;
 } reduced_squeeze;
 
 typedef struct reduced_solver reduced_solver;
 
-/* Creates a solver, one object per thread. The model must outlive it. Errors: EHD_MEMORY. */
+/* Creates a solver. Each thread needs its own solver. The model must outlive the solver. Errors:
+ * EHD_MEMORY. */
 ehd_status reduced_solver_create(
     // output:
     reduced_solver **solver, // free with reduced_solver_free
@@ -82,41 +87,41 @@ reduced_solver *reduced_solver_free(reduced_solver *solver); // accepts and retu
 /* Sets the tolerance of reduced_settings. */
 void reduced_solver_set_tolerance(reduced_solver *solver, double tolerance);
 
-/* Sets an observer of every Gauss-Newton iteration and of the end of each solution; NULL: none.
- * With an observer the solver does not use kept factors. */
+/* Sets an observer of every Gauss-Newton iteration and of the end of each solution; NULL: no
+ * observer. With an observer the solver does not use kept factors. */
 void reduced_solver_observe(reduced_solver *solver, reduced_observer *observer,
                             reduced_observer_end *end, void *context);
 
-/* Returns the model's rows in the least-squares problem of the present iteration, in their
- * order. */
+/* Returns which rows of the model the least-squares problem of the present iteration contains, in
+ * the order of the problem. */
 const size_t *reduced_system_rows(size_t *num_rows, const reduced_solver *solver);
 
-/* Solves by Gauss-Newton iteration from the given state. info->status reports an iteration that
- * does not converge; this is not an error. */
+/* Solves by Gauss-Newton iteration from the given state. If the iteration does not converge, the
+ * function returns EHD_OK and sets info->status to EHD_NOT_CONVERGED. */
 ehd_status reduced_solve(
     // output:
     reduced_info *info,
-    // in and out: start and solution
+    // in and out: initial state, then the solution
     reduced_state *state,
     // input:
     reduced_solver *solver, const ehd_contact *contact,
     const reduced_squeeze *squeeze, // NULL when stationary
     ehd_error *error);
 
-/* Returns the scalars of a state; it need not be a solution. */
+/* Returns the scalars of a state. The state need not be a solution. */
 contact_scalars reduced_scalars(reduced_solver *solver, const reduced_state *state,
                                 const ehd_contact *contact);
 
-/* Corrects the minimum film of a line contact's last solution in time if the film has a dip before
- * the band. It finds the minimum from the films that `film` returns at nodes between the needed
- * ones. */
+/* Corrects the minimum film of the last solution of a transient line contact if the film has a dip
+ * before the band. The minimum is found from the films that `film` returns at the nodes between the
+ * needed nodes. */
 void reduced_find_dip(
     // in and out:
     contact_scalars *scalars,
     // input:
     const reduced_solver *solver, film_function *film, const void *context);
 
-/* Checks whether the equations of a thinned flow do not hold at the selected rows
+/* Checks whether the equations of a thinned flow are too inaccurate at the selected rows
  * (reynolds_flow_doubt). */
 bool reduced_doubts_flow(reduced_solver *solver, const reduced_state *state,
                          const ehd_contact *contact);
@@ -124,35 +129,37 @@ bool reduced_doubts_flow(reduced_solver *solver, const reduced_state *state,
 /* Returns the least and largest P of the last solution. */
 reduced_pressures reduced_pressure_range(reduced_solver *solver, const reduced_state *state);
 
-/* Returns the traction of a state with these scalars. The model has a cubature. */
+/* Returns the traction of a state, whose scalars are `scalars`. The model must have a cubature. */
 contact_traction reduced_traction(reduced_solver *solver, const reduced_state *state,
                                   const ehd_contact *contact, const contact_scalars *scalars);
 
-/* Computes the values of the last solution. With `exit_at_node` they are bit-identical to those of
- * reduced_values_of. */
+/* Computes the values of the last solution. With `exit_at_node` the result is bit-identical to the
+ * result of reduced_values_of. */
 void reduced_last_values(reduced_values *values, const reduced_solver *solver);
 
-/* P (zero behind the exit) and H of the last solution at the needed nodes, [num_needed]. */
+/* P (zero behind the exit) and H of the last solution at the needed nodes (row_set),
+ * [num_needed]. */
 typedef struct reduced_needed {
     const double *pressure, *film;
 } reduced_needed;
 reduced_needed reduced_needed_fields(const reduced_solver *solver);
 
-/* Write P and rho H of the last solution at the rows' nodes, [num_rows]; `mass` may be NULL. */
+/* Writes P and rho H of the last solution at the rows' nodes, [num_rows]; `mass` may be NULL. */
 void reduced_row_values(double *pressure, double *mass, const reduced_solver *solver,
                         const ehd_contact *contact);
 
-/* Keeps the factorised Jacobian at a state for later steps in time. With a squeeze term
- * reduced_solve then iterates with these factors, and with own Jacobians only if that does not
- * converge. The result differs by the product of the remaining residual and the change of the
- * Jacobian. The factors depend on the arguments alone, so they can be reproduced. */
+/* Factorises the Jacobian at a state and keeps the factors for later time steps. With a squeeze
+ * term, reduced_solve then iterates with the kept factors first. It computes new Jacobians only if
+ * this iteration does not converge. With kept factors the result differs by the product of the
+ * remaining residual and the change of the Jacobian. The factors depend on the arguments alone, so
+ * the same factors can be computed again. */
 void reduced_keep_factors(reduced_solver *solver, const reduced_state *state,
                           const ehd_contact *contact, double rate);
 void reduced_drop_factors(reduced_solver *solver);
 
 /* Keeps the factors with which the last solution ended (info.near_factors). Returns the state at
- * which they were made, from which reduced_keep_factors makes the same factors. This state is valid
- * until the next solution. */
+ * which their Jacobian was evaluated: at this state, reduced_keep_factors computes the same
+ * factors. The returned state is valid until the next solution. */
 const reduced_state *reduced_take_factors(reduced_solver *solver);
 
 #endif

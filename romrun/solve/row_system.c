@@ -73,7 +73,8 @@ void system_list_active(row_system *self, const node_state *nodes, size_t cell_n
             self->active[self->num_active++] = r;
 }
 
-/* Returns the first row from `r` on that is active or, if `active` is false, passive. */
+/* Returns the first row from `r` on that lies before the exit or, if `active` is false, behind
+ * it. */
 static size_t next_row(const row_system *self, const node_state *nodes, size_t r, bool active) {
     while (r < self->model->rows.num_rows && is_active(self, nodes, r) != active)
         r++;
@@ -88,7 +89,7 @@ static void expand_pressure(row_system *self, const node_state *nodes, double ri
     far_field_add(self->pressure, &self->outer, contact, rigid_approach);
 }
 
-/* Extrapolates rows first … end - 1 linearly from the pressures `about` to the pressures of the
+/* Extrapolates the rows first … end - 1 linearly from the pressures `about` to the pressures of the
  * state. */
 static void shift_rows(row_system *self, const double *about, size_t first, size_t end) {
     const row_set *set = &self->model->rows;
@@ -181,7 +182,8 @@ size_t system_fill_right(row_system *self, const node_state *nodes, const double
 
 // ---- matrix
 
-/* Computes target += sum of factors[a] * sources[a] over `num` sources, in one pass. */
+/* Computes target += sum of factors[a] * sources[a] over `num` sources, in one loop over
+ * `target`. */
 static inline void add_some_rows(double *restrict target, const double *factors,
                                  const double *const *sources, int num, size_t count) {
     for (size_t j = 0; j < count; j++) {
@@ -192,8 +194,9 @@ static inline void add_some_rows(double *restrict target, const double *factors,
     }
 }
 
-/* Adds the rows of a line contact's stencil, with only as many nodes as the stencil has. One loop
- * over six nodes would take 4.5 % more instructions for a solution with the published rows. */
+/* Adds the basis rows at the nodes of a line contact's stencil, times `factors`. The loop includes
+ * only the nodes that the stencil has. A loop that always has six nodes would take 4.5 % more
+ * instructions for a solution with the published discretisation. */
 static inline void add_rows(double *restrict target, const double factors[NUM_LINE_STENCIL],
                             const double *const sources[NUM_LINE_STENCIL], bool wide,
                             size_t count) {
@@ -203,8 +206,9 @@ static inline void add_rows(double *restrict target, const double factors[NUM_LI
         add_some_rows(target, factors + 1, sources + 1, NUM_LINE_STENCIL - 2, count);
 }
 
-/* Adds the rows of a point contact's stencil whose factor is not zero. For the pressures these are
- * five of ten rows with transport along the path. */
+/* Adds the basis rows at the nodes of a point contact's stencil, times `factors`. Leaves out rows
+ * with a factor of zero. With transport along the path, only five of ten factors of the pressures
+ * are not zero. */
 static inline void add_listed_rows(double *restrict target, const double factors[NUM_STENCIL],
                                    const double *const sources[NUM_STENCIL], int size,
                                    size_t count) {
@@ -224,8 +228,9 @@ static inline void add_listed_rows(double *restrict target, const double factors
         add_some_rows(target, listed + a, rows + a, AT_ONCE, count);
 }
 
-/* Fills a row of the weighted reduced Jacobian: stencil coefficients times rows of the bases. Rows
- * of the coupled film are those of the exit's checkpoint. */
+/* Fills a row of the weighted reduced Jacobian: stencil coefficients times rows of the bases. For a
+ * coupled basis, the rows of the film are those of the exit's checkpoint, which add_runs
+ * corrects. */
 static void fill_reynolds_row(double *target, const row_system *self, const node_state *nodes,
                               size_t r) {
     const reduced_model *model = self->model;
@@ -263,8 +268,9 @@ static void fill_reynolds_row(double *target, const row_system *self, const node
     target[model->num_unknowns - 1] = weight * approach;
 }
 
-/* Computes the derivatives of an active row by the pressures at a block's nodes. Products are
- * rounded as in fill_reynolds_row, so that removed nodes cancel exactly. */
+/* Computes the derivatives of an active row with respect to the pressures at the nodes of a block.
+ * Products are rounded as in fill_reynolds_row, so that the contributions of removed nodes cancel
+ * exactly. */
 static void fill_left_side(double *left, const row_system *self, size_t r, const size_t *index,
                            const double *sign, size_t rank) {
     const reduced_model *model = self->model;
@@ -287,13 +293,13 @@ static void fill_left_side(double *left, const row_system *self, size_t r, const
     }
 }
 
-/* Nodes between the exit and its checkpoint. */
+/* Some of the nodes between the exit and its checkpoint. `sign` is that of cut_run. */
 typedef struct cut_block {
     size_t rank, index[CUT_BLOCK]; // indices in the band
     double sign[CUT_BLOCK];
 } cut_block;
 
-/* Computes matrix += left right for the nodes in the block. */
+/* Computes matrix += left factor times right factor, for the nodes in the block. */
 static void add_block(row_system *self, const cut_block *block, double load_weight) {
     const reduced_model *model = self->model;
     const size_t num_pressure = model->num_pressure;
@@ -314,8 +320,8 @@ static void add_block(row_system *self, const cut_block *block, double load_weig
                        block->rank);
 }
 
-/* Updates the rows of a coupled basis from the exit's checkpoint to the exit: Maier et al. (2015),
- * eq. 36, with the stencils applied to its left sides first. */
+/* Updates the matrix of a coupled basis from the exit of the checkpoint to the present exit. This
+ * is eq. 36 of Maier et al. (2015), with the stencils applied to the left factors first. */
 static void add_runs(row_system *self, const node_state *nodes, double load_weight) {
     cut_block block = {.rank = 0};
 
@@ -332,9 +338,10 @@ static void add_runs(row_system *self, const node_state *nodes, double load_weig
     if (block.rank > 0) add_block(self, &block, load_weight);
 }
 
-/* Updates the cut table of an independent basis to the exit, always from the exit's checkpoint. The
- * table then depends on the exit alone, and round-off does not add up over time steps. For a
- * coupled basis add_runs instead updates the rows of the Jacobian, which are fewer. */
+/* Computes the cut table of an independent basis for the present exit, always from the table of the
+ * checkpoint. The table then depends on the exit alone, and round-off does not add up over time
+ * steps. For a coupled basis add_runs updates the rows of the Jacobian instead, because they are
+ * fewer than the rows of the cut table. */
 static void make_cut_table(row_system *self, const node_state *nodes) {
     const reduced_model *model = self->model;
     size_t size = model->cut.num_rows * model->num_pressure;
@@ -347,8 +354,8 @@ static void make_cut_table(row_system *self, const node_state *nodes) {
     memcpy(self->cut_exit, nodes->exit, bytes);
 }
 
-/* Fills the projected elasticity of an independent basis, from row `count` on. Returns the index of
- * the next free row. */
+/* Fills the rows of the projected elasticity (independent basis only), from row `count` of the
+ * matrix on. Returns the index of the next free row. */
 static size_t fill_elasticity(row_system *self, size_t count) {
     const reduced_model *model = self->model;
     size_t n = model->num_unknowns, num_pressure = model->num_pressure;
@@ -392,7 +399,8 @@ static double nearest_weight(const row_set *rows, size_t node) {
     return rows->weight[best];
 }
 
-/* Computes target = weight times the derivatives of a row at a node of a line contact's band. */
+/* Computes target = weight times the derivatives, with respect to the unknowns, of a row at a node
+ * of a line contact's band. */
 static void fill_band_row(double *target, double weight, const reynolds_row *row,
                           const row_system *self, const node_state *nodes, size_t node) {
     const reduced_model *model = self->model;
@@ -405,7 +413,7 @@ static void fill_band_row(double *target, double weight, const reynolds_row *row
     for (size_t a = 0; a < NUM_LINE_STENCIL; a++) {
         by_film[a] = weight * row->by_film[a];
         approach += by_film[a];
-        if (first + a <= node) // only these nodes have pressure
+        if (first + a <= node) // the nodes behind `node` have no pressure
             nodes_add_row(target, weight * row->by_pressure[a], modes + a * model->num_pressure,
                           model->num_pressure);
     }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes the least-squares problem of an iteration (Maier et al. (2015), eqs. 37 and 38):
- * weighted selected Reynolds rows before the exit, projected elasticity of an independent basis,
- * closure. Owns rows, matrix, factors and step.
+/* Computes the least-squares problem of an iteration (Maier et al. (2015), eqs. 37 and 38). Its
+ * rows are the weighted selected Reynolds rows before the exit, the projected elasticity of an
+ * independent basis, and the closure (load balance or given approach). The object owns the rows,
+ * the matrix, the factors and the step.
  * Called by reduced_solver.c in each iteration, and by reduced_tangent.c. */
 #ifndef EHD_ROW_SYSTEM_H
 #define EHD_ROW_SYSTEM_H
@@ -14,15 +15,15 @@
 
 typedef struct row_system {
     const reduced_model *model;
-    reynolds_row *rows;      // [rows of the model] at the state
+    reynolds_row *rows;      // [rows of the model] rows evaluated at the state
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
-    far_field outer;         // far field at the boundary nodes among the needed ones
+    far_field outer;         // far field at the boundary nodes among the needed nodes
     double *pressure;        // [num_needed] P of the state, including the far field
-    double *about;           // [num_needed] pressures of system_about
+    double *about;           // [num_needed] pressures that system_about returns
     contact_closure closure; // closure at the state, including the load beyond the grid
-    size_t num_active;       // rows before the exit
-    size_t num_cells;        // 1 if the exit lies between two nodes (the row of its cell is then
-                             // the last row), else 0
+    size_t num_active;       // number of rows before the exit
+    size_t num_cells;        // 1: the exit lies between two nodes, and the row of its cell is the
+                             // last row; 0: the exit is a node
     size_t *active;          // [rows of the model] indices of the rows before the exit
     double *matrix;          // [system_max_rows, num_unknowns]
     double *right;           // [system_max_rows]
@@ -32,24 +33,31 @@ typedef struct row_system {
     reynolds_row flux;       // flux and its derivatives, from system_flux
     size_t flux_row;         // row of the model at which the flux is taken
     least_squares *factors;
-    double *block;       // coupled: [rows + 1, CUT_BLOCK] left sides of the active rows;
-                         // independent: [CUT_BLOCK, cut rows + num_pressure] work of the cut table
-    double *block_right; // [CUT_BLOCK, num_pressure] coupled: right sides
-    double *cut;         // independent: [cut rows, num_pressure] the cut table for cut_exit
-    size_t *cut_exit;    // [num_lines] exit of `cut`; 0: none yet
+    // Work array for the update of the Jacobian to the present exit (eq. 36 of Maier et al.
+    // (2015)). For a coupled basis, [rows + 1, CUT_BLOCK], the left factors of the updates of the
+    // active rows and of the load. For an independent basis, [CUT_BLOCK, rows of the cut table +
+    // num_pressure], the factors of the updates of the cut table.
+    double *block;
+    double *block_right; // [CUT_BLOCK, num_pressure] right factors of the updates; used for a
+                         // coupled basis only
+    double *cut;         // [rows of the cut table, num_pressure] cut table for the exit line
+                         // cut_exit; used for an independent basis only
+    size_t *cut_exit;    // [num_lines] exit line to which `cut` belongs; 0: `cut` has not been
+                         // computed yet
 } row_system;
 
-/* Initialises with memory from an arena; the factors allocate their own memory. The model must
- * outlive it. */
+/* Initialises with memory from an arena. The factors allocate their own memory. The model must
+ * outlive the system. */
 void system_init(row_system *self, const reduced_model *model, arena *memory);
 void system_free(row_system *self);
 
 /* Returns the largest number of rows of a least-squares problem of the model. */
 size_t system_max_rows(const reduced_model *model);
 
-/* Evaluates the closure, and in self->rows the rows before the exit and their derivatives, at the
- * state that `nodes` holds. `about`: NULL, or pressures [num_needed] at which the rows are
- * evaluated; then the rows are extrapolated linearly to the state's pressures. */
+/* Evaluates the closure and the rows before the exit, with their derivatives, at the state that
+ * `nodes` holds. The rows are stored in self->rows. If `about`, [num_needed], is not NULL, the rows
+ * are evaluated at these pressures instead and extrapolated linearly to the pressures of the
+ * state. */
 void system_evaluate(row_system *self, const node_state *nodes, double rigid_approach,
                      const ehd_contact *contact, const reduced_squeeze *squeeze,
                      const double *about);
@@ -58,27 +66,31 @@ void system_evaluate(row_system *self, const node_state *nodes, double rigid_app
 double system_flow_doubt(row_system *self, const node_state *nodes, double rigid_approach,
                          const ehd_contact *contact);
 
-/* Returns the pressures about which a step in time is linearised while it is far from its solution
- * (romrun/online/README.md, In time). If `last` holds the uncut pressures of the last state: at
- * each node the higher pressure of `last` and of the state in `nodes`. If `last` is NULL, after
- * system_evaluate: where the pressure has risen, the state's pressure; where it has fallen, the
- * pressure that has the mobility of the linear rows. */
+/* Returns the pressures about which the rows of a time step are linearised while the state is far
+ * from the solution (romrun/online/README.md, In time).
+ * - `last` not NULL: [num_needed] pressures of the state of the last time step, not set to zero
+ *   behind the exit. Returns at each node the higher pressure of `last` and of the state in
+ *   `nodes`.
+ * - `last` NULL: call it after system_evaluate. Where the pressure has risen, returns the pressure
+ *   of the state. Where it has fallen, returns the pressure with the mobility of the linearised
+ *   rows. */
 const double *system_about(row_system *self, const node_state *nodes, double rigid_approach,
                            const ehd_contact *contact, const double *last);
 
-/* Lists the rows before the exit, except the row at `cell_node`, whose cell has a row of its own.
- * NO_NODE: no exception. */
+/* Lists the rows before the exit. Leaves out the row at `cell_node`, because the cell with the exit
+ * has a row of its own. NO_NODE: leaves out no row. */
 void system_list_active(row_system *self, const node_state *nodes, size_t cell_node);
 
-/* Returns the state's flux through the half node before the selected row nearest to X = 0. The flux
- * is the same everywhere before the exit. Near the exit, pressures left by a truncated basis would
- * change it most. */
+/* Returns the flux of the state through the half node before the selected row nearest to X = 0. In
+ * a solution the flux is the same everywhere before the exit. Near the exit, pressure errors of a
+ * truncated basis would change the computed flux most. */
 double system_flux(row_system *self, const ehd_contact *contact, const node_state *nodes);
 
 /* Appends the row of the cell in which the exit lies, and fills self->offset. */
 void system_add_cell(row_system *self, const node_state *nodes, const exit_cell *cell);
 
-/* Appends only the right side of the cell's row, behind the rows of system_fill_right. */
+/* Appends only the right side of the cell's row, behind the rows that system_fill_right has
+ * filled. */
 void system_add_cell_right(row_system *self, const node_state *nodes, const exit_cell *cell);
 
 /* Fills the right side (Maier et al. (2015), eq. 37): the listed Reynolds rows (zero behind the
@@ -89,7 +101,8 @@ size_t system_fill_right(row_system *self, const node_state *nodes, const double
 /* Fills the matrix (eq. 38) for the active rows, at the present exit. */
 void system_fill_matrix(row_system *self, const node_state *nodes, double closure_weight);
 
-/* Returns the weight of the closure, 1 + rate, because rows grow as 1 / time step. */
+/* Returns the weight of the closure, 1 + rate. The closure then grows as 1 / time step, as the
+ * Reynolds rows do. */
 double system_closure_weight(const reduced_squeeze *squeeze);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Gives the least squares of the last step of a solution (Maier et al. (2015), eq. 28), from which
- * romrun/trust/functionals.c estimates errors. Implemented by reduced_solver.c. */
+/* Gives access to the least-squares problem of the last step of a solution (Maier et al. (2015),
+ * eq. 28). From this problem romrun/trust/functionals.c estimates errors. Implemented by
+ * reduced_solver.c. */
 #ifndef EHD_SOLVED_SYSTEM_H
 #define EHD_SOLVED_SYSTEM_H
 
@@ -9,25 +10,27 @@
 #include "romrun/solve/reduced_solver.h"
 #include "romrun/state/node_state.h"
 
-/* The order of rows: selected Reynolds rows before the exit, linear equations and, if the exit lies
- * between two nodes, the row of its cell. */
+/* The least-squares problem of the last step. Its rows are, in this order, the selected Reynolds
+ * rows before the exit, the linear equations and, if the exit lies between two nodes, the row of
+ * the cell with the exit. */
 typedef struct solved_system {
     node_state *nodes; // nodes at the solution
     exit_search *exits;
-    size_t num_rows;            // rows of the matrix
-    size_t num_reynolds;        // Reynolds rows
+    size_t num_rows;            // number of rows of the matrix
+    size_t num_reynolds;        // number of Reynolds rows
     const size_t *row;          // [num_reynolds] indices in the model
     const double *matrix;       // [num_rows, num_unknowns] D J, of this or of an earlier step
     least_squares *factors;     // factors of the matrix
     const double *right, *step; // [num_rows] D f before the last step; [num_unknowns] the last step
-    double remaining;           // estimated ratio of the next step's change to the last step's
-    const double *offset;       // [num_unknowns] gradient of the exit's offset within its cell;
-                                // NULL: exits are nodes
-    size_t matrix_number;       // number of the kept matrix; 0: a matrix of this solution
-    size_t solution_number;     // number of the solution
+    // estimated change by a next step, divided by the change by the last step
+    double remaining;
+    const double *offset;   // [num_unknowns] gradient of the exit's offset within its cell;
+                            // NULL: exits are nodes
+    size_t matrix_number;   // number of the kept matrix; 0: this solution made the matrix
+    size_t solution_number; // number of the solution
 } solved_system;
 
-/* Returns the system of the last solution, valid until the next one. */
+/* Returns the system of the last solution. The system is valid until the next solution. */
 solved_system reduced_solved_system(reduced_solver *solver);
 
 #endif

@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-/* Number of strides of the coarse search. With 2 the search misses dips (test_band_minimum.c,
- * one_dip_anywhere). */
+/* Number of strides of the coarse search. If there are only 2 strides, the search misses dips
+ * (test_band_minimum.c, one_dip_anywhere). */
 enum { COARSE = 24 };
 
 typedef struct band {
@@ -21,8 +21,8 @@ static double value_at(const band *self, size_t node) {
     return self->values->at(self->values->context, node);
 }
 
-/* Returns the smallest value near a node. Searches around the best node so far, with ever shorter
- * strides. */
+/* Returns the smallest value near the node of `best`. Searches around the lowest node found so far,
+ * with shorter and shorter strides. */
 static candidate refine_minimum(const band *self, candidate best, size_t stride) {
     while (stride > 1) {
         stride = (stride + 2) / 4;

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Finds the minimum over the nodes of a band from few evaluations, by a coarse and a fine search
- * (romrun/online/README.md, The smallest film).
+/* Finds the minimum of values over a range of nodes from few evaluations, by a coarse and a fine
+ * search (romrun/online/README.md, The smallest film).
  * Called by node_state.c for the minimum film. */
 #ifndef EHD_BAND_MINIMUM_H
 #define EHD_BAND_MINIMUM_H
 
 #include <stddef.h>
 
-/* Values at the nodes of a band. `at` returns the value at a node. For a node that is lower than
- * its neighbours, `around` returns the minimum between the nodes around it. If `around` is NULL,
- * the node's value is taken. */
+/* Values at the nodes of a band. `at` returns the value at a node. `around` is called for a node
+ * that is lower than its neighbours. It returns the minimum of the values interpolated between the
+ * nodes around this node. If `around` is NULL, the value at the node is used. */
 typedef struct band_values {
     double (*at)(const void *context, size_t node);
     double (*around)(const void *context, size_t node);
@@ -17,9 +17,10 @@ typedef struct band_values {
 } band_values;
 
 /* Returns the least of `values` over first <= node <= last, and its node. It searches coarsely at
- * about 25 nodes, then finely in each local minimum. In time a film may have several minima, and
- * the lowest node need not lie in the deepest one. A minimum that is narrower than a coarse stride
- * (a 24th of the band) may be missed. */
+ * about 25 nodes, then finely in each local minimum. All local minima are searched, because the
+ * film of a transient contact may have several minima, and the lowest node need not lie in the
+ * deepest minimum. A minimum that is narrower than a coarse stride (a 24th of the band) may be
+ * missed. */
 double band_minimum(size_t *node, const band_values *values, size_t first, size_t last);
 
 #endif

@@ -15,8 +15,8 @@ static int compare_sizes(const void *a, const void *b) {
     return p < q ? -1 : p > q;
 }
 
-/* Finds the median of the trained exits on each grid line. Between the median and a state's own
- * exit lie the fewest nodes on average. */
+/* Finds the median of the trained exits on each grid line. With the median, the mean number of
+ * nodes between cut_exits and the exit of a state is smallest. */
 static ehd_status find_cut_exits(size_t *cut_exits, const reduced_model *model, ehd_error *error) {
     const reduced_states *states = &model->states;
     const size_t num = states->num_states, num_lines = model->band.num_lines;

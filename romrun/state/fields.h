@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes fields of a reduced state on the whole grid: the only work whose cost grows with the
- * grid. They are sums of modes and of the modes' deflections (eqs. 24 and 26 of Maier et al.
- * (2015)). These deflections are computed once. A state's own exits change the deflection; this
- * change is computed with the kernel and added. Called by film_splines.c, and by romrun/online for
+/* Computes fields of a reduced state on the whole grid. Only this computation has a cost that grows
+ * with the grid. The fields are sums of the modes and of the deflections of the modes (eqs. 24 and
+ * 26 of Maier et al. (2015)). The deflections are computed once, for modes that are cut at fixed
+ * exits (cut_exits). The exits of a state lie elsewhere. The kernel gives the change of the
+ * deflection between both exits, which is added. Called by film_splines.c, and by romrun/online for
  * results with fields. */
 #ifndef EHD_FIELDS_H
 #define EHD_FIELDS_H
@@ -10,20 +11,20 @@
 #include "romrun/model/flat.h"
 #include "romrun/state/reduced_state.h"
 
-/* Modes on the whole grid. Nothing changes them once they are made, so several threads may use
+/* Modes on the whole grid. The modes do not change after they are made, so several threads may use
  * them. */
 typedef struct field_modes {
     const double *pressure; // [num_nodes, num_pressure] uncut; owned by the caller
-    size_t *cut_exits;      // [num_lines], medians of the trained exits
-    // deflections of the modes cut at cut_exits, [num_pressure] for each node; then the distances
-    // in this table to the next column and to the next line
+    size_t *cut_exits;      // [num_lines] medians of the trained exits
+    // `deflection`: deflections of the modes cut at cut_exits, [num_pressure] for each node.
+    // `column` and `line`: distances in this table to the next column and to the next grid line
     const double *deflection;
     size_t column, line;
-    double *own; // the deflections, if this object owns them; else NULL
+    double *own; // `deflection` if this object owns the table, else NULL
 } field_modes;
 
-/* Initialises without deflections, which another table may hold already. `pressure_basis` must
- * outlive it. Errors: EHD_MEMORY. */
+/* Initialises `self` without deflections, because another table may already hold the deflections.
+ * `pressure_basis` must outlive `self`. Errors: EHD_MEMORY. */
 ehd_status field_modes_init(
     // output:
     field_modes *self, // free with field_modes_free
@@ -35,8 +36,8 @@ void field_modes_free(field_modes *self);
 ehd_status field_modes_deflect(field_modes *self, const reduced_model *model, ehd_error *error);
 
 /* Writes the modes to a flat file (romrun/model/flat.h), or reads them from it instead of
- * field_modes_init and field_modes_deflect. `own`: the file has deflections, and owns them. Free
- * with field_modes_free in either case. */
+ * field_modes_init and field_modes_deflect. `own`: the file contains the deflections, and owns them
+ * when they are read. In all cases, free with field_modes_free. */
 void field_modes_flat(flat *file, field_modes *self, const reduced_model *model,
                       const double *pressure_basis, bool own);
 
@@ -52,8 +53,8 @@ ehd_status field_modes_fill(
     size_t margin, size_t side, const field_modes *self, const reduced_model *model,
     ehd_error *error);
 
-/* Computes P and H at all nodes, [num_nodes]; H follows from P for both kinds of bases. Cannot
- * fail, and allocates nothing. */
+/* Computes P and H at all nodes, [num_nodes]; H follows from P for both kinds of bases. The
+ * function cannot fail and allocates no memory. */
 void reduced_fields(
     // output:
     double *pressure, double *film,

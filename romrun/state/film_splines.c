@@ -23,7 +23,7 @@ static ehd_status make_table(double **table, const spline_layout *layout, ehd_er
     return *table ? EHD_OK : ehd_no_memory(error, "splines");
 }
 
-/* Fills the curvatures of a table of make_table from its values. */
+/* Fills the curvatures of a table, which make_table has made, from its values. */
 static void fill_curvatures(double *table, const spline_layout *layout) {
     size_t columns = layout->num_columns, lines = layout->num_lines, width = layout->width;
     double *factor = table + lines * layout->line;
@@ -87,8 +87,8 @@ static ehd_status make_kernel_table(film_splines *self, const contact_kind *kind
 // ---- the modes
 
 /* Extends the model's grid before the contact and at its sides. If the frame has grown with the
- * load, its nodes lie farther out in a previous frame. The grid is wide enough for a load that has
- * become 2.25 times as large. */
+ * load, the nodes of the present frame lie farther out in a previous frame. The extended grid is
+ * wide enough for a load that has become 2.25 times as large. */
 static void widen_grid(film_splines *self, const reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     const contact_kind *kind = model->kind;
@@ -104,7 +104,7 @@ static void widen_grid(film_splines *self, const reduced_model *model) {
                            grid->inner_x + self->margin, grid->inner_lines + lines + self->side);
 }
 
-/* Extrapolates modes to a node from the next two nodes further inwards. */
+/* Extrapolates modes linearly to a node from the next two nodes inwards. */
 static void extrapolate_linearly(double *node, ptrdiff_t inwards, size_t width) {
     const double *next = node + inwards, *second = next + inwards;
 
@@ -176,7 +176,7 @@ static void lay_out(film_splines *self, const reduced_model *model) {
     self->kernel_layout = layout_of_kernel(&self->grid);
 }
 
-/* For a coupled basis, lets `fields` use the deflections in the table of films. */
+/* For a coupled basis: makes `fields` use the deflections in the table `film`. */
 static void share_deflections(film_splines *self) {
     const spline_layout *layout = &self->layout;
     field_modes *fields = &self->fields;
@@ -293,7 +293,7 @@ static size_t parts_of(const spline_layout *layout) {
     return layout->num_lines > 1 ? 4 : 2;
 }
 
-/* Allocates the sums. Returns false without memory. */
+/* Allocates the sums. Returns false if there is no memory. */
 static bool init_sums(node_sums *self, const spline_layout *layout) {
     const size_t num_nodes = layout->num_lines * layout->num_columns;
 
@@ -337,8 +337,9 @@ void previous_film_free(previous_film *self) {
     memset(self, 0, sizeof *self);
 }
 
-/* Returns a row of the modes' table times the coordinates. A fraction `share` of it uses the
- * filtered table instead. */
+/* Returns a row of the modes' table times the coordinates. The row is a weighted mean of both
+ * tables: the filtered table has the weight `share`, the unfiltered table the weight 1 -
+ * `share`. */
 static double sum_row(const node_sums *self, size_t at, size_t width) {
     double sum = 0;
 
@@ -347,8 +348,9 @@ static double sum_row(const node_sums *self, size_t at, size_t width) {
     return sum;
 }
 
-/* Returns the value (or, at an offset, the curvature) of the pressure at a node. With transport
- * along the path it is the base's value plus the filtered difference from the base. */
+/* Returns the value of the pressure at a node or, for the `offset` of a curvature, this curvature.
+ * With transport along the path (`path` not NULL) it is the value of the base plus the filtered
+ * difference from the base. */
 static double sum_modes(const previous_film *self, const path_films *path,
                         const film_splines *splines, size_t offset, size_t node) {
     const size_t width = splines->pressure_layout.width;
@@ -360,7 +362,7 @@ static double sum_modes(const previous_film *self, const path_films *path,
 }
 
 /* Prepares the pressure's spline near the exit of a line contact. The values are zero from the exit
- * on. At the window's first node the curvature is that of the modes. */
+ * on. At the first node of the window, the curvature is the curvature of the sum of the modes. */
 static void prepare_window(previous_film *self, const path_films *path, const reduced_model *model,
                            const film_splines *splines) {
     size_t num_nodes = model->grid.num_nodes;
@@ -399,7 +401,7 @@ static void prepare_cut(previous_film *self, const reduced_model *model,
     }
 }
 
-/* Sets what to sum, and discards earlier sums. */
+/* Sets the tables and coordinates of the sums, and discards earlier sums. */
 static void prepare_sums(node_sums *self, const double *table, const double *filtered, double share,
                          const double *coordinates) {
     self->table = table;
@@ -441,13 +443,13 @@ double path_filter_change(const previous_film *self, size_t node, const reduced_
 
 // ---- evaluation
 
-/* Moves a point to a node if they differ only by round-off. Most weights are then zero, which saves
- * most of the work for a point contact while the frame keeps its width. */
+/* Moves a point to a node if they differ only by round-off. Most spline weights are then zero. For
+ * a point contact this saves most of the work while the frame keeps its width. */
 static double round_to_node(double nodes) {
     return fabs(nodes - round(nodes)) < ROUNDING ? round(nodes) : nodes;
 }
 
-/* Evaluates a spline of one function. */
+/* Evaluates a spline of one function at a point. */
 static double evaluate_one(const double *table, const spline_layout *layout,
                            const spline_point *along, const spline_point *across) {
     const size_t x_curvature = layout->x_curvature, column = layout->column;
@@ -492,8 +494,8 @@ static void add_cut(double *sum, const previous_film *self, size_t line, size_t 
     *(vector *)sum += total;
 }
 
-/* Returns values and curvatures of a state at a node. `cut`: NULL, or the state whose deflection of
- * add_cut is added. */
+/* Returns values and curvatures of a state at a node. `cut`: state whose deflection by add_cut is
+ * added, or NULL. */
 static const double *sums_at(const node_sums *self, const previous_film *cut, size_t line,
                              size_t column, const film_splines *splines) {
     const spline_layout *layout = self->layout;
@@ -508,8 +510,8 @@ static const double *sums_at(const node_sums *self, const previous_film *cut, si
     return sum;
 }
 
-/* Evaluates a state's spline at a point from the nodes around it. Skips nodes without weight, for
- * example if the point lies on a grid line. */
+/* Evaluates a state's spline at a point from the nodes around it. Skips nodes whose weights are
+ * zero, for example if the point lies on a grid line. */
 static double evaluate(const node_sums *self, const previous_film *cut, const spline_point *along,
                        const spline_point *across, const film_splines *splines) {
     const bool line_contact = self->layout->num_lines == 1;
@@ -530,8 +532,9 @@ static double evaluate(const node_sums *self, const previous_film *cut, const sp
     return sum;
 }
 
-/* Returns P of the modes, before P is set to zero behind the exit. With transport along the path
- * (`path` not NULL) it is P of the base state plus the change that the filtered modes describe. */
+/* Returns P as the sum of the modes, without setting P to zero behind the exit. With transport
+ * along the path (`path` not NULL) it is P of the base state plus the change that the filtered
+ * modes describe. */
 static double uncut_pressure(const previous_film *self, const spline_point *along,
                              const spline_point *across, const film_splines *splines,
                              const path_films *path) {
@@ -590,7 +593,7 @@ static double pressure_at(const previous_film *self, const spline_point *along,
     u.node -= splines->margin;
     if (num_lines == 1) return window_pressure(self, &u, splines, path);
     spline_point v = *across;
-    v.node -= splines->side; // becomes a large unsigned number before the first line
+    v.node -= splines->side; // for a point before the first line this is a large unsigned number
     return v.node < num_lines - 1 ? pressure_before_exit(self, &u, &v, splines, path) : 0;
 }
 
@@ -690,7 +693,8 @@ static double base_film(const path_films *path, const spline_point *along,
            contact_gap(&splines->grid.shape, x, y);
 }
 
-/* Places of a node in the states' frames. They follow the path of the fluid, or only the change of
+/* Places of one node in the frames of several states. If `before` is set in find_points, a place is
+ * where the fluid was at the time of the state. Otherwise a place follows only the change of the
  * frame. */
 typedef struct path_points {
     double x[BDF_PREVIOUS], y[BDF_PREVIOUS];
@@ -727,7 +731,8 @@ void path_film_masses(double *mass, const previous_film *const *films, size_t nu
                         evaluate_one(path->base_cut, &path->base_layout, along, across);
         double stays =
             base_film(path, &here.along[i], &here.across[i], here.x[i], here.y[i], splines);
-        if (compressible) { // without compressibility the base's films at the earlier place cancel
+        if (compressible) { // for an incompressible lubricant the two films of the base at the
+                            // earlier place cancel
             const double film = base_film(path, along, across, before.x[i], before.y[i], splines);
             const double of_base = density_at(base, along, across, splines, path, reference);
             const double own = density_at(self, along, across, splines, path, reference);

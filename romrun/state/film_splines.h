@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes film and pressure of previous reduced states at any point, at a cost independent of the
  * grid (romrun/online/README.md, In time). Cubic splines of all modes are made once. The spline of
- * a state is the sum of these splines times the state's coordinates. Splines of the kernel add the
- * deflection by the nodes between cut_exits and the state's own exit line. The sum at a node is
- * computed when it is first needed, and then kept.
+ * a state is the sum of these splines times the coordinates of the state. The splines hold for
+ * modes that are cut at cut_exits (fields.h). Splines of the kernel therefore add the deflection by
+ * the pressures between cut_exits and the exit line of the state. The sum at a node is computed
+ * when it is first needed, and then stored.
  * Called by romrun/online for each step, and by snapgen/residuals.c. */
 #ifndef EHD_FILM_SPLINES_H
 #define EHD_FILM_SPLINES_H
@@ -15,26 +16,27 @@
 #include "romrun/state/reduced_state.h"
 #include <stdbool.h>
 
-/* Natural cubic splines of `width` functions on a grid; for a point contact, tensor products. Each
- * node has the values and their curvatures along x (second derivatives times step^2 / 6). For a
- * point contact it also has the curvatures of both along y. All distances are numbers of doubles in
- * the table. */
+/* Layout of a table of natural cubic splines of `width` functions on a grid. For a point contact
+ * the splines are tensor products. At each node the table has the values and their curvatures along
+ * x (second derivatives times step^2 / 6). For a point contact it also has the curvatures along y,
+ * of the values and of their curvatures along x. All distances are numbers of doubles in the
+ * table. */
 typedef struct spline_layout {
     size_t num_columns, num_lines, width;
-    bool even_x, even_y;             // true: mirrored at the first column (even_x); at the first
-                                     // line (even_y)
-    size_t column, line;             // distance to the next column, to the next line
-    size_t x_curvature, y_curvature; // distance from a value to its curvatures
+    bool even_x, even_y;             // true: the functions are mirrored at the first column
+                                     // (even_x), at the first line (even_y)
+    size_t column, line;             // distances to the next column and to the next line
+    size_t x_curvature, y_curvature; // distances from a value to its curvatures along x and y
 } spline_layout;
 
-/* Tables by node, which nothing changes once they are made. Their memory is proportional to the
- * number of nodes: 90 MB for half of a point contact, with 129 nodes on a grid line and 120
- * modes. */
+/* Tables by node. The tables do not change after they are made. Their memory is proportional to the
+ * number of nodes. Example: 90 MB for a half grid of a point contact, with 129 nodes on a grid line
+ * and 120 modes. */
 typedef struct film_splines {
-    ehd_grid grid; // the model's grid, widened by `margin` columns in front and by lines at the
-                   // sides
+    ehd_grid grid; // the model's grid, widened by `margin` columns before the inlet and by lines at
+                   // the sides
     size_t margin;
-    size_t side;          // number of lines before the model's first one
+    size_t side;          // number of lines before the model's first line
     spline_layout layout; // layout of `film`
     double *film;         // [num_nodes of grid, 2 or 4, width] coupled: deflection of the pressure
                           // modes cut at fields.cut_exits
@@ -43,7 +45,8 @@ typedef struct film_splines {
                     // mirrored nodes
     spline_layout pressure_layout;
     double *pressure;   // [num_nodes of the model, 2 or 4, num_pressure] uncut
-    field_modes fields; // modes for whole fields; coupled: their deflections are in `film`
+    field_modes fields; // modes for fields on the whole grid; coupled: the deflections of these
+                        // modes are in `film`
 } film_splines;
 
 /* Builds the tables. `pressure_basis` [num_nodes, num_pressure] and, for an independent basis,
@@ -64,21 +67,24 @@ void film_splines_flat_free(film_splines *splines);
 
 struct previous_film;
 
-/* Additional data to carry films along the path of the fluid (common/time/README.md). All steps
- * have the same base. The film of the base is therefore summed over the modes once, into splines of
- * one function. */
+/* Additional data for transport along the path of the fluid (common/time/README.md, Along the
+ * path). The base is the initial state. Only the differences of the states from the base are
+ * carried. All steps have the same base, so the film of the base is summed over the modes only
+ * once, into splines of one function. */
 typedef struct path_films {
     double *film,
-        *pressure;                    // tables of the filtered modes; `pressure`: compressible only
-    const struct previous_film *base; // the start, prepared and owned by the caller
+        *pressure;                    // tables of the filtered modes; `pressure` is NULL if the
+                                      // lubricant is incompressible
+    const struct previous_film *base; // the base, prepared and owned by the caller
     spline_layout base_layout, base_pressure_layout;
     double *base_film;     // [num_nodes of the splines' grid, 2 or 4] H0 and deflection
-    double *base_cut;      // part of base_film that comes from add_cut
-    double *base_pressure; // [num_nodes of the model, 2 or 4] uncut P; compressible only
+    double *base_cut;      // part of base_film that add_cut computes
+    double *base_pressure; // [num_nodes of the model, 2 or 4] uncut P; only for compressible
+                           // lubricants
 } path_films;
 
-/* Filters the modes. If the lubricant is incompressible, the tables of pressure stay NULL. Errors:
- * EHD_MEMORY. */
+/* Makes the tables of the filtered modes. If the lubricant is incompressible, the tables of the
+ * pressure stay NULL. Errors: EHD_MEMORY. */
 ehd_status path_films_init(
     // output:
     path_films *self, // free with path_films_free
@@ -87,11 +93,12 @@ ehd_status path_films_init(
     ehd_error *error);
 void path_films_free(path_films *self);
 
-/* Sets the start. The caller prepares it with previous_film_prepare and owns it. */
+/* Sets the base. The caller prepares the base with previous_film_prepare and owns it. */
 void path_films_set_base(path_films *self, const struct previous_film *base,
                          const reduced_model *model, const film_splines *splines);
 
-/* Values and curvatures of a state at nodes: sums over the modes. */
+/* Values and curvatures of a state at nodes. They are sums over the modes, which are computed when
+ * first needed. */
 typedef struct node_sums {
     const spline_layout *layout;
     const double *table, *coordinates; // table of the modes, and the state's coordinates
@@ -99,28 +106,33 @@ typedef struct node_sums {
                                        // path
     double share;                      // weight of the filtered table, 0 to 1
     double *sum;                       // [num_nodes of the layout, 2 or 4]
-    size_t *of_state;                  // [num_nodes of the layout] number of the summed state
-    size_t state;                      // number of this state, from 1 on
+    size_t *of_state;                  // [num_nodes of the layout] number of the state whose sum is
+                                       // stored; 0: no sum is stored
+    size_t state;                      // number of the present state, from 1 on
 } node_sums;
 
-enum { EXIT_WINDOW = 64 }; // number of nodes around an exit with a spline of the cut pressure
+/* Number of nodes in the window around the exit of a line contact, where the cut pressure has a
+ * spline of its own. */
+enum { EXIT_WINDOW = 64 };
 
 /* An accepted state, prepared for evaluation. */
 typedef struct previous_film {
     contact_frame frame;
     reduced_state state;
     reduced_values values;   // values at the needed nodes
-    double *difference;      // [num_unknowns] coordinates minus those of the base, with transport
-                             // along the path
+    double *difference;      // [num_unknowns] coordinates minus the coordinates of the base; only
+                             // for transport along the path
     cut_run *runs;           // [num_lines] runs between fields.cut_exits and the state's exit line
     size_t num_cut;          // number of nodes in the runs
-    grid_position *cut_node; // [num_cut] the runs' nodes in the splines' grid
-    double *cut_pressure;    // [num_cut] P at the runs' nodes, uncut, with the run's sign
+    grid_position *cut_node; // [num_cut] nodes of the runs, in the grid of the splines
+    double *cut_pressure;    // [num_cut] uncut P at these nodes, times the sign of the run
     node_sums film;          // deflection by the pressures cut at the state's own exits, without H0
-    node_sums pressure;      // uncut; compressible only
+    node_sums pressure;      // uncut P; only for compressible lubricants
     // line contacts only:
-    size_t window_begin, window_size;                   // first node of the window, and its size
-    double window[EXIT_WINDOW], curvature[EXIT_WINDOW]; // cut P in the window; compressible only
+    size_t window_begin, window_size;                   // first node of the window, and its number
+                                                        // of nodes
+    double window[EXIT_WINDOW], curvature[EXIT_WINDOW]; // cut P in the window; only for
+                                                        // compressible lubricants
 } previous_film;
 
 /* Allocates a state of the model. Errors: EHD_MEMORY. */
@@ -128,23 +140,23 @@ ehd_status previous_film_init(previous_film *self, const reduced_model *model,
                               const film_splines *splines, ehd_error *error);
 void previous_film_free(previous_film *self);
 
-/* Prepares a state whose frame and `state` are set. The caller fills its values. */
+/* Prepares a state. The caller has already set `frame` and `state`, and fills `values`. */
 void previous_film_prepare(previous_film *self, const reduced_model *model,
                            const film_splines *splines, const ehd_contact *reference);
 
-/* Prepares a state for transport along the path, with a fraction of the filter
- * (frame_step_share). */
+/* Prepares a state for transport along the path. The fraction `share` of the filter's change is
+ * applied (frame_step_share). */
 void previous_film_prepare_path(previous_film *self, const path_films *path, double share,
                                 const reduced_model *model, const film_splines *splines,
                                 const ehd_contact *reference);
 
 /* Returns how much the applied fraction of the filter changes the film, at a node of the state's
- * own frame. The state comes from previous_film_prepare_path. */
+ * own frame. The state must have been prepared by previous_film_prepare_path. */
 double path_filter_change(const previous_film *self, size_t node, const reduced_model *model,
                           const film_splines *splines);
 
 /* Computes rho H of up to BDF_PREVIOUS states, mass[num_films], at node `node` of frame `now`. The
- * density of a point contact follows from the uncut modes before the exit line. This line is
+ * density of a point contact follows from the uncut modes before the exit line. The exit line is
  * straight between grid lines. */
 void previous_film_masses(double *mass, const previous_film *const *films, size_t num_films,
                           size_t node, const contact_frame *now, const reduced_model *model,
@@ -156,9 +168,10 @@ double previous_film_thickness(const previous_film *self, size_t node, const red
 double previous_film_pressure(const previous_film *self, size_t node, const reduced_model *model,
                               const film_splines *splines);
 
-/* Computes rho H at node `node` of frame `now`, mass[num_films], with transport along the path. The
- * films are prepared for this transport. The base's part of a film stays in place; the difference
- * comes from where the fluid was. */
+/* Like previous_film_masses, but with transport along the path. The states must have been prepared
+ * by previous_film_prepare_path. A film is the film of the base plus a difference. The film of the
+ * base is evaluated at the place of the node, the difference at the place where the fluid was at
+ * the time of the state. */
 void path_film_masses(double *mass, const previous_film *const *films, size_t num_films,
                       size_t node, const contact_frame *now, const reduced_model *model,
                       const film_splines *splines, const path_films *path,

@@ -127,8 +127,8 @@ void nodes_expand_runs(node_state *self, const double *z) {
         nodes_expand_range(self, z, self->runs[r].first, self->runs[r].count);
 }
 
-/* Returns the modes of the films from a node of the band on, [nodes, *width]; for a coupled basis
- * without the deflection by the runs. */
+/* Returns the modes of the film at the nodes of the band from `node` on, [nodes, *width]. For a
+ * coupled basis they do not contain the deflection by the runs. */
 static const double *band_film_modes(size_t *width, const node_state *self, size_t node) {
     const reduced_model *model = self->model;
     const bool coupled = model->deformation == DEFORMATION_COUPLED;
@@ -195,7 +195,7 @@ void nodes_add_band_films(double *target, const double *factors, const node_stat
     }
 }
 
-/* The band's film of a state, for band_minimum. */
+/* The film of a state in the band, as context of the functions for band_minimum. */
 typedef struct film_of_state {
     const node_state *nodes;
     const double *z;
@@ -219,16 +219,17 @@ static double film_in_band(const void *context, size_t node) {
     return banded ? film_at(context, node) : NAN;
 }
 
-/* Returns the minimum between the nodes around a node of the band. The band's first nodes lack
- * neighbours; there it returns the node's film. */
+/* Returns the minimum of the film between the nodes around a node of the band. The first nodes of
+ * the band have too few neighbours in the band. There the function returns the film at the node. */
 static double film_around_band(const void *context, size_t node) {
     const film_of_state *self = context;
 
     return minimum_around(&self->nodes->model->grid, node, film_in_band, self);
 }
 
-/* Returns the minimum film around a needed node of a line contact. It is the minimum of the
- * parabola through the node and its needed neighbours if both are higher, else the node's film. */
+/* Returns the minimum film around a needed node of a line contact. If the films at both needed
+ * neighbours are larger, the result is the minimum of the parabola through the three nodes.
+ * Otherwise the result is the film at the node. */
 static double film_around(const node_state *self, size_t q) {
     const size_t *node = self->model->rows.needed_node;
     const double *film = self->now.film;
@@ -258,7 +259,7 @@ static double film_between(size_t *node, const node_state *self, size_t q, film_
 }
 
 /* Returns the lowest needed node of a line contact that has pressure and lies before the band.
- * Excludes the last needed node. 0: none. */
+ * Excludes the last needed node. Returns 0 if there is no such node. */
 static size_t lowest_before_band(const node_state *self) {
     const reduced_model *model = self->model;
     size_t best = 0;
@@ -286,16 +287,18 @@ bool nodes_have_dip(const node_state *self) {
     return false;
 }
 
-/* Checks whether a needed node has pressure and is no higher than its needed neighbours. */
+/* Checks whether a needed node has pressure, and its film is at most as thick as at both needed
+ * neighbours. */
 static bool is_dip(const node_state *self, size_t q) {
     const double *film = self->now.film;
 
     return q > 0 && self->pressurised[q] && film[q] <= film[q - 1] && film[q] <= film[q + 1];
 }
 
-/* Returns the smallest film of the needed nodes with pressure, and its node. In time a minimum may
- * pass the contact before the band. For a line contact with the accurate rows the result includes
- * the minimum between nodes in each dip before the band, as in the full model. */
+/* Returns the smallest film of the needed nodes with pressure, and its node. In a transient contact
+ * a film minimum may pass through the part of the contact before the band. For a line contact with
+ * the accurate rows, the film is interpolated between nodes in each dip before the band, as in the
+ * full model. */
 static double smallest_needed(size_t *node, const node_state *self, film_function *film,
                               const void *context) {
     const row_set *rows = &self->model->rows;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes the state at nodes: pressure and film of coordinates z, cut at an exit line (Maier et
- * al. (2015), eq. 36), at the rows' needed nodes and in the band. The object owns the present exit
- * line.
- * Called by reduced_solver.c in each iteration, by reduced_tangent.c, and by
+/* Computes pressure and film at nodes from the coordinates z of a state. The pressure is cut at an
+ * exit line (Maier et al. (2015), eq. 36). The nodes are the needed nodes (all nodes of the rows'
+ * stencils, and the nodes around X = 0) and the nodes of the band. The object owns the present exit
+ * line. Called by reduced_solver.c in each iteration, by reduced_tangent.c, and by
  * romrun/trust/functionals.c. */
 #ifndef EHD_NODE_STATE_H
 #define EHD_NODE_STATE_H
@@ -12,26 +12,27 @@
 
 /* Fields of coordinates at the present exit line. */
 typedef struct node_fields {
-    reduced_values values;   // values at the exit's checkpoint; not filled if the caller has them
-    double *pressure, *film; // [num_needed] P, zero behind the exit; H (for a step: without the
-                             // gap)
+    reduced_values values;   // values at the exit's checkpoint; not filled if the caller passes
+                             // these values
+    double *pressure, *film; // [num_needed] P, zero behind the exit, and H; for a step, H is
+                             // without the gap
     double *cut;             // [rows of the cut table] the cut table times z
 } node_fields;
 
 typedef struct node_state {
     const reduced_model *model;
-    size_t *exit;      // [num_lines] present exit line; 0: none yet
+    size_t *exit;      // [num_lines] present exit line; 0: no exit line yet
     bool *pressurised; // [num_needed] true: the node lies before the exit
-    size_t checkpoint; // checkpoint nearest to the exit
+    size_t checkpoint; // checkpoint of the exit (reduced_model_checkpoint)
     cut_run *runs;     // [num_lines] runs between the checkpoint's exit line and the present one
     size_t num_runs;
     node_fields now, step; // fields of the present state, and of a Newton step
     double *band_pressure; // [nodes of the band] P, filled on demand
     double least_in_band;  // smallest H in the band (nodes_minimum_film)
-    size_t lowest_in_band; // node of this film
+    size_t lowest_in_band; // node with this film
 } node_state;
 
-/* Initialises with memory from an arena; the model must outlive it. */
+/* Initialises `self` with memory from an arena. The model must outlive `self`. */
 void nodes_init(node_state *self, const reduced_model *model, arena *memory);
 
 /* Sets the present exit line, the nodes before it, its checkpoint and its runs. */
@@ -41,8 +42,8 @@ void nodes_move_exit(node_state *self, const size_t *exit);
 const double *nodes_checkpoint_table(const node_state *self);
 
 /* Computes P and H without gap at the needed nodes, and the cut table times z: Maier et al. (2015),
- * eq. 36, applied to a vector. `known`: values of z, used if they have the same checkpoint; or
- * NULL. */
+ * eq. 36, applied to a vector. `known`: values of z that the caller has already computed, or NULL.
+ * They are used only if they belong to the same checkpoint. */
 void nodes_expand(node_fields *fields, node_state *self, const reduced_values *known,
                   const double *z);
 
@@ -58,30 +59,35 @@ double nodes_at_centre(const reduced_model *model, const double *values);
 /* Returns the load of the present state, the integral of P. */
 double nodes_load(const node_state *self);
 
-/* Compute P at nodes of the band: at `count` nodes from index `first` on; for a line contact, from
- * node `from` to before `to`; at the nodes of the runs. */
+/* Compute P at nodes of the band:
+ * - nodes_expand_range at `count` nodes from index `first` on;
+ * - nodes_expand_band from node `from` to the node before `to`, only for a line contact;
+ * - nodes_expand_runs at the nodes of the runs. */
 void nodes_expand_range(node_state *self, const double *z, size_t first, size_t count);
 void nodes_expand_band(node_state *self, const double *z, size_t from, size_t to);
 void nodes_expand_runs(node_state *self, const double *z);
 
-/* Compute H in the band: at `count` neighbouring nodes of a grid line, and at one node. For the
- * coupled basis nodes_expand_runs or nodes_expand_band must have filled the pressures of the
- * runs. */
+/* Compute H in the band: at `count` neighbouring nodes of a grid line, and at one node. For a
+ * coupled basis, the pressures of the runs must have been computed by nodes_expand_runs or
+ * nodes_expand_band. */
 void nodes_band_films(double *film, const node_state *self, const double *z, size_t node,
                       size_t count);
 double nodes_band_film(const node_state *self, const double *z, size_t node);
 
-/* Adds the sum of factors[i] dH/dz, over `count` neighbouring nodes of a grid line in the band, to
- * `target`, [num_unknowns], without the rigid approach. */
+/* Adds the sum of factors[i] dH/dz over `count` neighbouring nodes i to `target`, [num_unknowns].
+ * The nodes lie on one grid line in the band. The derivative with respect to the rigid approach is
+ * left out. */
 void nodes_add_band_films(double *target, const double *factors, const node_state *self,
                           size_t node, size_t count);
 
 /* Returns the smallest H of the present state in the band and at the needed nodes, and its node.
- * For a line contact it is the lowest minimum of all dips, which may lie between nodes. */
+ * For a line contact the result is the lowest minimum of all dips of the film, and may lie between
+ * nodes. */
 double nodes_minimum_film(size_t *node, node_state *self, const double *z);
 
-/* Call it after nodes_minimum_film. Returns a more accurate minimum film. In dips before the band
- * and at its first nodes it also uses the films between the needed nodes, which `film` returns. */
+/* Returns a more accurate minimum film than nodes_minimum_film, which must be called first. Dips of
+ * the film may lie before the band or at its first nodes. There it also uses the films at the nodes
+ * between the needed nodes, which `film` returns. */
 double nodes_minimum_between(size_t *node, const node_state *self, film_function *film,
                              const void *context);
 
@@ -100,11 +106,11 @@ reduced_pressures nodes_pressure_range(node_state *self, const double *z);
 /* Adds `factor` times a row of the present exit's cut table to `target`, [num_pressure]. */
 void nodes_add_cut_row(double *target, double factor, const node_state *self, size_t row);
 
-/* Adds `factor` times dH/dz at a needed node to `target`, [num_unknowns], without the rigid
- * approach. */
+/* Adds `factor` times dH/dz at a needed node to `target`, [num_unknowns]. The derivative with
+ * respect to the rigid approach is left out. */
 void nodes_add_film_row(double *target, double factor, const node_state *self, size_t needed);
 
-/* Returns the change of H at X = 0 by a step of the coordinates. */
+/* Returns the change of H at X = 0 that a step of the coordinates causes. */
 double nodes_central_change(node_state *self, const double *step);
 
 /* Computes target += factor * source. */

@@ -7,7 +7,8 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* Computes the pressures of the runs and, before the exits, of the band. Returns int P X. */
+/* Returns int P X. Computes the pressures of the runs, and the pressures of the band before the
+ * exits. */
 static double moment_of(node_state *self, const double *z) {
     const reduced_model *model = self->model;
     const ehd_grid *grid = &model->grid;
@@ -28,8 +29,8 @@ static double moment_of(node_state *self, const double *z) {
 }
 
 /* Returns the deflection at a column by the pressures of `count` columns of a grid line from
- * `first` on. `kernel`: influence by distance in columns, for the distance between both grid
- * lines. */
+ * `first` on. `kernel`: influence of a pressure by distance in columns, for the given distance
+ * between both grid lines. */
 static double deflection_by(const double *kernel, size_t column, size_t first, size_t count,
                             const double *pressure) {
     size_t before = column > first ? column - first : 0;
@@ -40,8 +41,9 @@ static double deflection_by(const double *kernel, size_t column, size_t first, s
     return dot_reversed(falling, pressure, before) + dot(rising, pressure + before, count - before);
 }
 
-/* Returns H at a node of the cubature; the band's pressures are known. It sums many pressures for
- * one node, for which reduced_model_deflect takes three times as long. */
+/* Returns H at a node of the cubature. The pressures of the band must be known. Sums the deflection
+ * by many pressures at one node with deflection_by, because reduced_model_deflect takes three times
+ * as long. */
 static double film_at(const node_state *self, const double *z, size_t q, grid_position at) {
     const reduced_model *model = self->model;
     const row_set *set = &model->cubature.nodes;
@@ -79,10 +81,10 @@ static bool expand_node(double *pressure, double *film, const node_state *self, 
     return true;
 }
 
-/* dP/dX at a node of the cubature, and its derivatives by the pressures at the two neighbours along
- * X. `beside`: indices of the neighbours in the cubature; NO_NODE: the neighbour's pressure is
- * zero. Only thinned flows need the gradient, because it changes their shear stress; their models
- * keep the neighbours. */
+/* dP/dX at a node of the cubature, and its derivatives `by` with respect to the pressures at the
+ * two neighbours along X. `beside`: indices of the neighbours in the cubature; NO_NODE: the
+ * neighbour's pressure is zero. Only thinned flows need the gradient, because the gradient changes
+ * their shear stress. Models of thinned flows therefore contain the neighbours. */
 typedef struct node_gradient {
     double value;
     size_t beside[2];
@@ -104,7 +106,7 @@ static node_gradient gradient_at(const node_state *self, const double *z, size_t
     const bool behind = q + 1 < set->num_needed && set->needed_node[q + 1] == node + 1;
     node_gradient gradient = {.beside = {NO_NODE, NO_NODE}, .by = {-per_pressure, per_pressure}};
 
-    // the gradient stays 0 if the model has not kept the neighbours
+    // if the model does not contain both neighbours, the gradient stays 0
     if (!(before || at.column == 1) || !(behind || at.column + 1 >= self->exit[at.line]))
         return gradient;
     if (before) gradient.beside[0] = q - 1;
@@ -115,14 +117,16 @@ static node_gradient gradient_at(const node_state *self, const double *z, size_t
     return gradient;
 }
 
-/* Checks whether a node has a weight. A node that is kept only as a neighbour has none. */
+/* Checks whether a node of the cubature has a weight in the sums. Nodes that the cubature contains
+ * only as neighbours of other nodes have none. */
 static bool has_weight(const node_cubature *cubature, size_t q) {
     return cubature->friction[q] != 0 || cubature->dry[q] != 0;
 }
 
-/* Returns the stress at a node before the exit, and updates the largest stress. Far out in the
- * inlet truncated modes have pressures slightly below zero, and the full model's are slightly
- * above. The fluid is the same at both pressures. */
+/* Returns the stress at a node before the exit, and updates the largest stress. Pressures slightly
+ * below zero are used as they are: truncated modes have such pressures far out in the inlet, where
+ * the pressures of the full model are slightly above zero. The properties of the fluid are the same
+ * at both pressures. */
 static double stress_at(double *largest, const ehd_contact *contact, double pressure, double film,
                         double gradient) {
     const double stress = contact_shear_stress(contact, pressure, film, gradient);
@@ -131,10 +135,12 @@ static double stress_at(double *largest, const ehd_contact *contact, double pres
     return stress;
 }
 
-/* The largest stress is searched for at needed nodes with more than this fraction of the largest
- * pressure. The stress falls with the pressure more than it rises with a thinner film. If the
- * pressure gradient thins the flow, only the nodes of the rows are searched, since the gradient
- * needs the pressures of their neighbours (romrun/solve/README.md, Traction). */
+/* The largest shear stress is searched for at nodes whose pressure is at least this fraction of
+ * the largest pressure. At other nodes the stress is smaller, because it falls with the pressure
+ * more than it rises with a thinner film. The search uses the needed nodes, which are all nodes of
+ * the selected rows' stencils. If the pressure gradient thins the flow, the stress also depends on
+ * dP/dX. The search then uses only the nodes of the rows themselves, because only these have both
+ * neighbours along X (romrun/solve/README.md, Traction). */
 static const double NEAR_LARGEST = 0.7;
 
 static void look_at_needed(double *largest, const node_state *self, const ehd_contact *contact) {
@@ -158,16 +164,16 @@ static void look_at_needed(double *largest, const node_state *self, const ehd_co
             stress_at(largest, contact, pressure[q], self->now.film[q], 0);
 }
 
-/* End of the pressure on a grid line. */
+/* The end of the pressurised zone on a grid line. */
 typedef struct line_end {
     size_t node;     // last node with pressure
     double weight;   // weight of the node in sums over the grid
     double pressure; // pressure at the node
-    double gradient; // gradient of the pressure, which is zero at the next node
+    double gradient; // dP/dX at the node; the next node has zero pressure
     double film[2];  // film at the node and at the next node
 } line_end;
 
-/* Finds the end of the pressure on a grid line. Returns false if none of the line's nodes in the
+/* Finds the end of the pressurised zone on a grid line. Returns false if no node of the line in the
  * band has pressure. */
 static bool find_line_end(line_end *end, const node_state *self, const double *z, size_t line) {
     const reduced_model *model = self->model;
@@ -223,8 +229,8 @@ contact_traction nodes_traction(node_state *self, const double *z, const ehd_con
 
 // ---- derivatives of the friction
 
-/* Adds, for each band node before the exits, factor times the deflection at node `at` by a pressure
- * of 1 at the band node. */
+/* Adds `factor` times a deflection to `influence` for each band node before the exits. The
+ * deflection is caused at node `at` by a pressure of 1 at the band node. */
 static void add_band_influence(double *influence, double factor, const node_state *self,
                                grid_position at) {
     const reduced_model *model = self->model;

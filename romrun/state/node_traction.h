@@ -8,19 +8,21 @@
 #include "common/physics/traction.h"
 #include "romrun/state/node_state.h"
 
-/* Returns the traction of the present state, which has been expanded. The model has a cubature. */
+/* Returns the traction of the present state, which must have been computed by nodes_expand_state.
+ * The model must have a cubature. */
 contact_traction nodes_traction(node_state *self, const double *z, const ehd_contact *contact,
                                 const contact_scalars *scalars); // scalars of the state
 
-/* Adds the derivatives of int tau dA by the coordinates to [num_unknowns]. Neglects the cell behind
- * the last node with pressure, where the viscosity is low. */
+/* Adds the derivatives of int tau dA with respect to the coordinates to `target`, [num_unknowns].
+ * Neglects the cell behind the last node with pressure, where the viscosity is low. */
 void nodes_add_friction(double *target,
-                        double *influence, // [nodes of the band] work
+                        double *influence, // [nodes of the band] work array
                         node_state *self, const double *z, const ehd_contact *contact);
 
-/* Returns the change of int tau dA by exits that are wrong by one node. On each grid line it is
- * the contribution of the last node with pressure, times the risk; the lines are taken as
- * independent. */
+/* Estimates the change of int tau dA due to exits that are wrong by one node. On each grid line the
+ * change is the contribution of the last node with pressure times `risk`, the risk that the exit of
+ * this line is wrong. The result is the root of the sum of squares over the lines, because the
+ * lines are taken as independent. */
 double nodes_friction_of_exits(node_state *self, const double *z, const ehd_contact *contact,
                                const double *risk); // [num_lines]
 

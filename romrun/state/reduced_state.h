@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Holds the unknowns of a reduced solution and its exit line (Maier et al. (2015), eqs. 24 and 39),
- * and computes what follows from them at few nodes. Called by the folders solve, trust and online
- * of romrun, by podbuild/test_weight.c and by snapgen. */
+ * and computes quantities at few nodes from the unknowns. Called by the folders solve, trust and
+ * online of romrun, by podbuild/test_weight.c and by snapgen. */
 #ifndef EHD_REDUCED_STATE_H
 #define EHD_REDUCED_STATE_H
 
@@ -14,8 +14,8 @@ typedef struct reduced_state {
     size_t exit;         // column of the exit on the line Y = 0; for a line contact a grid node
     size_t *exits;       // [num_lines] columns of the exit on all grid lines; NULL: line contact
     // for an exit between two nodes: distance of the exit from the node before `exit`, in grid
-    // steps, 0 to 1; in time as in exit_place. NaN: the exit is a node, or the distance is not
-    // known yet.
+    // steps, 0 to 1; for a transient contact the result of exit_place. NaN: the exit is a node, or
+    // the distance is not known yet.
     double exit_offset;
 } reduced_state;
 
@@ -28,7 +28,8 @@ void reduced_state_copy(reduced_state *target, const reduced_state *source,
                         const reduced_model *model);
 
 /* Return and set the exit line as nodes, [num_lines]. An exit outside of the model's band is moved
- * to the band's nearest column; training solutions without an exit have such exits. */
+ * to the nearest column of the band. Training solutions without an exit have exits outside of the
+ * band. */
 const size_t *reduced_state_exits(const reduced_state *state);
 void reduced_state_set_exits(reduced_state *state, const reduced_model *model, const size_t *exits);
 
@@ -37,21 +38,21 @@ void reduced_state_set_exits(reduced_state *state, const reduced_model *model, c
 bool reduced_exit_divides(const reduced_state *state, const reduced_model *model);
 double reduced_exit_position(const reduced_state *state, const reduced_model *model);
 
-/* Values of a state at the needed nodes. For the same checkpoint they are linear in the
- * coordinates. */
+/* Values of a state at the needed nodes (row_set), which are all nodes of the rows' stencils. The
+ * values of one checkpoint are linear in the coordinates. */
 typedef struct reduced_values {
     size_t checkpoint; // checkpoint of the exit (reduced_model_checkpoint)
     double *pressure;  // [num_needed] P, uncut
     double *cut;       // [rows of the cut table] the checkpoint's cut table times z
 } reduced_values;
 
-/* Allocates values of a model's state, with no checkpoint yet. Errors: EHD_MEMORY. */
+/* Allocates the values of a state of a model. No checkpoint is set yet. Errors: EHD_MEMORY. */
 ehd_status reduced_values_init(reduced_values *values, const reduced_model *model,
                                ehd_error *error);
 void reduced_values_free(reduced_values *values);
 
-/* Compute the values of coordinates at a given checkpoint, and at the checkpoint of an exit
- * line. */
+/* Compute the values of coordinates. reduced_values_at uses a given checkpoint, reduced_values_of
+ * the checkpoint of an exit line. */
 void reduced_values_at(reduced_values *values, const reduced_model *model,
                        const double *coordinates, size_t checkpoint);
 void reduced_values_of(reduced_values *values, const reduced_model *model,
@@ -69,7 +70,8 @@ typedef struct reduced_pressures {
 /* Returns H of a state at any node. */
 typedef double film_function(const void *context, size_t node);
 
-/* Extends a range by a pressure; a NaN replaces both limits and stays. */
+/* Extends a range so that it includes a pressure. If the pressure is NaN, both limits become NaN
+ * and stay NaN. */
 void reduced_pressures_include(reduced_pressures *range, double pressure);
 
 #endif

@@ -15,9 +15,10 @@
 enum { BLOCK = 32 }; // largest number of quantities whose errors are computed together
 
 /* Changes of a film by an error of 1 in each row. They are valid while gradient and matrix stay the
- * same, often over many steps with kept factors. */
+ * same, with kept factors often over many time steps. */
 typedef struct film_moves {
-    size_t matrix_number; // 0: none
+    size_t matrix_number; // number of the kept matrix with which `moves` was computed; 0: `moves`
+                          // cannot be used again
     double *gradient;     // [num_unknowns]
     double *moves;        // [system_max_rows]
 } film_moves;
@@ -26,8 +27,8 @@ struct functionals {
     const reduced_model *model;
     solved_system solved; // the last solution
     double *unsolved;     // [system_max_rows] square of the residual after the last step, plus the
-                          // square for the iterations that were not made
-    double *square;       // [system_max_rows] `unsolved` plus the squares of other residuals
+                          // squared change by the iterations that were not made
+    double *square;       // [system_max_rows] `unsolved` plus the squares of control residuals
     double *gradients;    // [BLOCK, num_unknowns]
     double *moves;        // [system_max_rows]
     film_moves films[NUM_REDUCED_FILMS];
@@ -83,13 +84,13 @@ void functionals_moves(double *moves, double *gradient, least_squares *factors,
     moves_of_dual(moves, gradient, matrix, num_rows, num_columns);
 }
 
-/* Takes the last solution of a solver. Computes its residuals if this solution is new. */
+/* Takes the last solution of a solver. If this solution is new, computes its residuals. */
 static const solved_system *take_solution(functionals *self, reduced_solver *solver) {
     solved_system *solved = &self->solved;
     const solved_system known = *solved;
 
     *solved = reduced_solved_system(solver);
-    if (solved->nodes != known.nodes) // another solver, which counts anew
+    if (solved->nodes != known.nodes) // another solver, with its own numbers of matrices
         for (int q = 0; q < NUM_REDUCED_FILMS; q++)
             self->films[q].matrix_number = 0;
     else if (solved->solution_number == known.solution_number)
@@ -167,7 +168,7 @@ static void add_load(double *gradient, const node_state *nodes, const reduced_st
     gradient[model->num_unknowns - 1] = unit * far_field_load(contact, approach).by_approach;
 }
 
-/* Returns the lowest needed node with pressure, or NO_NODE. */
+/* Returns the needed node with pressure at which the film is lowest, or NO_NODE. */
 static size_t lowest_node(const node_state *nodes) {
     size_t lowest = NO_NODE;
     double least = INFINITY;
@@ -221,8 +222,8 @@ double functionals_film_error(double *influence, functionals *self, reduced_solv
 
 // ---- other quantities
 
-/* Returns the largest error of P or H over the nodes of the rows before the exit. All needed nodes
- * are near such a node. */
+/* Returns the largest error of P or H over the nodes of the rows before the exit. Other needed
+ * nodes are left out, because all of them are near such a node. */
 static double largest_field_error(functionals *self, bool of_film, const double *added) {
     const reduced_model *model = self->model;
     const node_state *nodes = self->solved.nodes;
@@ -292,9 +293,9 @@ double functionals_peak_error(functionals *self, reduced_solver *solver, const d
 
 // ---- friction
 
-/* Computes self->exit_risk, the risk that the exit of a grid line is a node off. In a point contact
- * it is the error of the pressure at the line's last node with pressure, divided by the margin of
- * the exit (exits_margins); it is at most 1. In a line contact the risk is 1. */
+/* Computes self->exit_risk, the risk that the exit of a grid line is wrong by one node. In a point
+ * contact the risk is the error of the pressure at the line's last node with pressure, divided by
+ * the margin of the exit (exits_margins), and at most 1. In a line contact the risk is 1. */
 static void find_exit_risks(functionals *self, const reduced_state *state,
                             const ehd_contact *contact, const double *added) {
     const reduced_model *model = self->model;

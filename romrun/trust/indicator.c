@@ -16,18 +16,18 @@ struct indicator {
     functionals *functionals;
     double *pressure, *film; // [num_needed] at the needed nodes of the control rows
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
-    far_field outer;         // far field at the boundary nodes among the needed ones
+    far_field outer;         // far field at the boundary nodes among the needed nodes
     double *band_pressure;   // [nodes of the band] P at the nodes between the exit and its
                              // checkpoint
     cut_run *runs;           // [num_lines]
     reynolds_row *rows;      // [num_rows] the control rows
     double *residual;        // [num_rows] residuals of the control rows, weighted
     double *influence;       // [rows of the model] influence of rows on a film
-    size_t *nearest;         // [num_rows] row of the model whose influence stands for that of the
-                             // control row
-    size_t *nearest_of_all;  // [num_rows] nearest row, even without influence
-    double *added; // [rows of the model] sum of the squared residuals of the control rows nearest
-                   // to each row
+    size_t *nearest;         // [num_rows] nearest row of the model with an influence, which is
+                             // taken as the influence of the control row
+    size_t *nearest_of_all;  // [num_rows] nearest row of the model, even without influence
+    double *added; // [rows of the model] sum of the squared residuals of the control rows whose
+                   // nearest row this is
     arena memory;  // memory of all arrays
 };
 
@@ -66,7 +66,8 @@ indicator *indicator_create(const reduced_model *model) {
     return self;
 }
 
-/* Returns H at a needed node without the deflection by the exit's runs. */
+/* Returns H at a needed node for the exit of the checkpoint. The deflection by the runs, the nodes
+ * between this exit and the present exit, is missing. */
 static double film_at_checkpoint(const reduced_model *model, size_t q, const double *z,
                                  size_t checkpoint) {
     const row_set *control = &model->control;
@@ -84,7 +85,7 @@ static bool is_before(const reduced_model *model, size_t node, const size_t *exi
     return reduced_model_column(model, node) < exit[reduced_model_line(model, node)];
 }
 
-/* Computes P and H at the needed nodes. */
+/* Computes P and H at the needed nodes of the control rows. */
 static void expand(indicator *self, const reduced_state *state) {
     const reduced_model *model = self->model;
     const row_set *control = &model->control;
@@ -117,7 +118,7 @@ const double *indicator_control_residuals(indicator *self, const reduced_state *
     const reduced_model *model = self->model;
     const row_set *control = &model->control;
     size_t num_needed = control->num_needed;
-    // the Reynolds row does not hold at the node of the exit's cell
+    // the Reynolds row does not hold at the node before an exit that lies between nodes
     const size_t cell_node = reduced_exit_divides(state, model) ? state->exit - 1 : NO_NODE;
     reynolds_fluid fluid = reynolds_fluid_in(self->fluid_memory, num_needed, contact);
 
@@ -137,8 +138,9 @@ const double *indicator_control_residuals(indicator *self, const reduced_state *
     return self->residual;
 }
 
-/* Returns the bound for the film whose influence is self->influence. `own_rows`: change of the film
- * by the residual of the least squares. */
+/* Returns the bound of the relative error of a film. self->influence must hold the influence of the
+ * rows on this film. `own_rows`: change of the film that the residuals of the least squares
+ * cause. */
 static double bound(const indicator *self, double own_rows, double thickness) {
     double sum = own_rows * own_rows;
 
@@ -147,7 +149,7 @@ static double bound(const indicator *self, double own_rows, double thickness) {
         sum += moved * moved;
     }
     const double relative = sqrt(sum) / thickness;
-    // NaN: at a control row the pressure may exceed the limit of the viscosity law
+    // the sum is NaN if the pressure at a control row exceeds the limit of the viscosity law
     return isnan(relative) ? INFINITY : relative;
 }
 
@@ -196,7 +198,7 @@ void indicator_bound_others(double bounds[NUM_INDICATED], indicator *self, reduc
     bounds[INDICATED_PRESSURE] = errors.pressure;
     bounds[INDICATED_FILM] = errors.film / scalars->central_film_thickness;
     bounds[INDICATED_FRICTION] = NAN;            // see indicator_bound_friction
-    for (int q = 0; q < INDICATED_FRICTION; q++) // infinite as in `bound`
+    for (int q = 0; q < INDICATED_FRICTION; q++) // NaN becomes infinite, as in `bound`
         if (isnan(bounds[q]) &&
             (q != INDICATED_EXIT_POSITION || reduced_exit_divides(state, model)))
             bounds[q] = INFINITY;
@@ -205,7 +207,7 @@ void indicator_bound_others(double bounds[NUM_INDICATED], indicator *self, reduc
 double indicator_bound_peak(indicator *self, reduced_solver *solver) {
     add_control_rows(self);
     const double error = functionals_peak_error(self->functionals, solver, self->added);
-    return isnan(error) ? INFINITY : error; // infinite as in `bound`
+    return isnan(error) ? INFINITY : error; // NaN becomes infinite, as in `bound`
 }
 
 double indicator_bound_friction(indicator *self, reduced_solver *solver, const reduced_state *state,
@@ -214,6 +216,6 @@ double indicator_bound_friction(indicator *self, reduced_solver *solver, const r
     const double relative =
         functionals_friction_error(self->functionals, solver, state, contact, self->added) /
         fabs(friction);
-    // infinite as in `bound`
+    // NaN becomes infinite, as in `bound`
     return isnan(relative) ? INFINITY : relative + node_cubature_tolerance;
 }

@@ -10,21 +10,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Differences of two lubricants at the same alpha p: of ln(viscosity) / (alpha p) at the Hertz
- * pressure, of this quotient at half the Hertz pressure, and of ln(density) at the Hertz
- * pressure. */
+/* Differences between two lubricants at the same alpha p:
+ * - OF_VISCOSITY: of ln(viscosity) / (alpha p) at the Hertz pressure;
+ * - OF_VISCOSITY_HALF: of ln(viscosity) / (alpha p) at half the Hertz pressure;
+ * - OF_DENSITY: of ln(density) at the Hertz pressure. */
 enum { OF_VISCOSITY, OF_VISCOSITY_HALF, OF_DENSITY, NUM_DIFFERENCES };
 _Static_assert((int)NUM_DIFFERENCES <= (int)HULL_AXES, "the hull has no room for the differences");
 
-/* Largest difference of two lubricants that are taken as the same. Measured with a model of a point
- * contact trained with one oil, on 30 oils with alpha +-8 % and eta0 +-20 %. The error estimate is
- * at least 1.2 times the error for differences up to 0.03, and at least 0.64 times the error from
- * 0.03 to 0.05 (README.md, Lubricants; test_known_lubricants.c, one_lubricant_is_known_alone). */
+/* Largest difference between two lubricants that are taken as the same. Measured on 30 oils, with
+ * alpha +-8 % and eta0 +-20 %, with a model of a point contact that was trained with one oil. For
+ * differences up to 0.03 the error estimate is at least 1.2 times the error. From 0.03 to 0.05 it
+ * is at least 0.64 times the error (README.md, Lubricants; test_known_lubricants.c,
+ * one_lubricant_is_known_alone). */
 static const double TOLERANCE = 0.01;
 
-/* Smallest alpha p by which differences of viscosity are divided. At smaller alpha p any law gives
- * nearly the viscosity of zero pressure. With 100 a lubricant between known ones is judged wrongly
- * (test_known_lubricants.c, lubricants_between_are_known). */
+/* Smallest alpha p by which differences of ln(viscosity) are divided. At smaller alpha p any law
+ * gives nearly the viscosity of zero pressure. If this limit is 100 instead of 1, a lubricant
+ * between known lubricants is not recognised (test_known_lubricants.c,
+ * lubricants_between_are_known). */
 static const double LEAST_ALPHA_P = 1;
 
 struct known_lubricants {
@@ -123,8 +126,9 @@ static double length_of(const double differences[NUM_DIFFERENCES]) {
     return sqrt(square);
 }
 
-/* Lists the differences from each known lubricant, as columns. Unused columns repeat the first one.
- * Returns how many lubricants were compared, or `like` if one of them is taken as the same. */
+/* Lists the differences from each known lubricant, as columns. Unused columns repeat the first
+ * column. Returns how many known lubricants were compared, or `like` if `lubricant` is taken as the
+ * same as one of them. */
 static size_t list(double *columns, const known_lubricants *self, const ehd_lubricant *lubricant,
                    bool in_time, size_t like) {
     const size_t stride = self->count;
@@ -145,8 +149,8 @@ static size_t list(double *columns, const known_lubricants *self, const ehd_lubr
     return count;
 }
 
-/* Checks whether zero lies in the convex hull of the differences. Uses `num` kinds of differences
- * from `first` on. */
+/* Checks whether zero lies in the convex hull of the differences. The check uses the `num` kinds of
+ * differences from `first` on. */
 static bool is_between(const known_lubricants *self, lubricant_memory *memory, int first, int num) {
     const double none[NUM_DIFFERENCES] = {0};
 

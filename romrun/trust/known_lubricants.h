@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Checks whether a model's error estimates are known for a lubricant: whether the training or the
- * calibration had one like it (README.md, Lubricants).
+/* Checks whether the error estimates of a model hold for a lubricant. They hold if the training or
+ * the calibration had a similar lubricant, or lubricants on both sides of this one (README.md,
+ * Lubricants).
  * Called by trained_range.c for each contact. */
 #ifndef EHD_KNOWN_LUBRICANTS_H
 #define EHD_KNOWN_LUBRICANTS_H
@@ -18,13 +19,14 @@ typedef struct lubricant_memory lubricant_memory;
 lubricant_memory *lubricant_memory_create(const known_lubricants *of);
 lubricant_memory *lubricant_memory_free(lubricant_memory *self); // accepts and returns NULL
 
-/* Returns the buffer for texts that name laws. Checks with this memory write into it. */
+/* Returns the buffer into which checks with this memory write texts that name laws. */
 const char *lubricant_memory_reason(const lubricant_memory *self);
 
-/* Returns NULL for a lubricant that is like a known one or lies between known ones (README.md,
- * Lubricants), else a text that names the law. The text is valid until the next call with this
- * memory. `in_time`: lubricants of the calibration's trajectories are known, those of its
- * stationary scenes are not. */
+/* Returns NULL for a lubricant that is similar to a known lubricant or lies between known
+ * lubricants (README.md, Lubricants). For other lubricants, returns a text that names the law. The
+ * text is valid until the next call with this memory. The lubricants of the training are known.
+ * `in_time` true: the lubricants of the calibration's trajectories are known too. `in_time` false:
+ * the lubricants of its stationary scenes are known instead. */
 const char *known_lubricants_check(const known_lubricants *self, lubricant_memory *memory,
                                    const ehd_lubricant *lubricant, bool in_time);
 

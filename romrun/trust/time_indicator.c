@@ -7,21 +7,22 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Number of control nodes in the inlet, and inside of the contact (README.md, Error estimates in
- * time). */
+/* NUM_EACH: number of control nodes in the inlet, and also inside of the contact (README.md, Error
+ * estimates in time). */
 enum { NUM_EACH = 12, MOST_NODES = 2 * NUM_EACH };
 
-// Places X of the control nodes, half widths. Films form between FAR_INLET and ENTRY. They are then
-// carried unchanged to CONSTRICTION, and adjust again behind it. DENSER: exponent that makes nodes
-// denser towards the entry, where a larger fraction of a residual enters the contact (README.md,
-// Error estimates in time).
+// Limits X of the control nodes, half widths. Films form between FAR_INLET and ENTRY. The
+// fluid then carries them unchanged to CONSTRICTION, and behind it they change again. DENSER:
+// exponent that makes nodes denser towards ENTRY, where a larger fraction of a residual enters the
+// contact (README.md, Error estimates in time).
 static const double FAR_INLET = -2.6, ENTRY = -0.85, CONSTRICTION = 0.6, DENSER = 1.7;
-// The estimate is the largest carried error within these distances, half widths: before the centre,
-// behind the centre, and before the minimum. These distances are needed since short waves behind a
-// front move more slowly than the fluid. The largest error of the central film was compared with
-// its bound. In 20 histories (scenes/studies/silent-in-time, calibration seed 1000007) the error is
-// 5.7 times the bound with 0.1 behind the centre, and 1.4 times with 0.3 or more. In 75 other
-// histories it is 1.4 times with 0.4 or more (README.md, Error estimates in time).
+// The estimate is the largest carried error within these distances, half widths: CENTRE before the
+// centre, BEHIND_CENTRE behind the centre, and ARRIVING before the minimum film. The distances are
+// needed because short waves behind a front move more slowly than the fluid. The largest error of
+// the central film was compared with its bound. In 20 histories (scenes/studies/silent-in-time,
+// calibration seed 1000007) the error is 5.7 times the bound if BEHIND_CENTRE is 0.1, and 1.4 times
+// the bound if it is 0.3 or more. In 75 other histories the error is 1.4 times the bound if
+// BEHIND_CENTRE is 0.4 or more (README.md, Error estimates in time).
 static const double CENTRE = 0.1, BEHIND_CENTRE = 0.4, ARRIVING = 0.3;
 
 void time_indicator_free(time_indicator *self) {
@@ -73,7 +74,8 @@ static size_t index_of(size_t node, const size_t *nodes, size_t num) {
     return found ? (size_t)(found - nodes) : NO_NODE;
 }
 
-/* Returns the index of a needed node among the model's needed nodes, or NO_NODE. */
+/* Returns where model->rows.needed_node lists the node needed_node[q] of the indicator, or NO_NODE
+ * if the rows of the model do not need this node. */
 static size_t find_among(const time_indicator *self, size_t q) {
     const row_set *rows = &self->model->rows;
 
@@ -106,13 +108,13 @@ static void list_needed(time_indicator *self) {
 
 // ---- around the exit
 
-/* Returns the number of nodes on each side of the exit: one more than the number of nodes by which
- * the exit may have moved since the Jacobian was made. */
+/* Returns the number of control nodes on each side of the exit: one more than the number of nodes
+ * by which the exit may have moved since the Jacobian was made. */
 static size_t reach_at_exit(const reduced_model *model) {
     return kept_factors_reach(model) + 1;
 }
 
-/* Returns the index of a node among those needed around the exit. Adds the node if it is
+/* Returns the index of a node among the needed nodes around the exit. Adds the node if it is
  * missing. */
 static size_t need(time_indicator *self, size_t node) {
     for (size_t q = self->num_fixed; q < self->num_needed; q++)
@@ -184,7 +186,8 @@ ehd_status time_indicator_init(time_indicator *self, const reduced_model *model,
 
 // ---- residuals
 
-/* Computes P and H at the needed nodes; takes those of the solver's rows from the solver. */
+/* Computes P and H at the needed nodes. At nodes that the solver also needs, takes both values from
+ * the solver. */
 static void expand(time_indicator *self, const previous_film *state, const reduced_solver *solver,
                    const film_splines *splines) {
     const reduced_model *model = self->model;
@@ -206,8 +209,9 @@ static void expand(time_indicator *self, const previous_film *state, const reduc
 }
 
 /* Finds, for each node of the inlet, the fraction of a source of fluid that flows on into the
- * contact. A source raises the pressure on both of its sides. This pressure is an integral of
- * 1/H^3. The wanted fraction is that of the integral before the source. */
+ * contact. A source raises the pressure on both of its sides. This pressure is an integral of 1/H^3
+ * over X. The wanted fraction is the integral over the part of the inlet before the source, divided
+ * by the integral over the whole inlet. */
 static void find_shares(time_indicator *self) {
     double before = 0;
 
@@ -244,8 +248,8 @@ void time_indicator_evaluate(time_indicator *self, const previous_film *state,
         const bool before =
             reduced_model_column(model, node) < exit[reduced_model_line(model, node)];
         const bool at_exit = i >= self->num_nodes;
-        // at a node without pressure, behind the exit or behind the end of all modes, the
-        // multiplier is -residual: only an excess of fluid is an error
+        // at a node without pressure (behind the exit or behind the end of all modes) the
+        // multiplier is -residual, so only a positive residual, an excess of fluid, is an error
         const bool full = at_exit ? self->pressure[self->stencils[i].node[NODE_HERE]] > 0 : before;
         self->residual[i] = full ? fabs(residual) : at_exit ? fmax(residual, 0) : 0;
     }
@@ -262,8 +266,8 @@ static double at_most_all(const time_indicator *self, size_t i, double error) {
     return error < film ? error : film;
 }
 
-/* Returns the error of rho H of films that enter, caused by the fluid that the inlet's residuals
- * add. */
+/* Returns the error of rho H of the films that enter. This error is caused by the fluid that the
+ * residuals in the inlet add. */
 static double entering(const time_indicator *self, double entrainment) {
     const size_t last = self->num_inlet - 1;
     double added = 0;
@@ -346,7 +350,7 @@ void time_indicator_add_local(time_indicator *self, const double errors[NUM_REDU
     *local = then ? self->kept_local : (local_errors){0};
     local->length[here] = length;
     for (size_t l = 0; l < NUM_LENGTHS; l++) {
-        if (!(local->length[l] > 0)) continue; // no errors yet
+        if (!(local->length[l] > 0)) continue; // this octave has no errors yet
         const double left = then ? frame_film_ratio(now, then) * exp(-path / local->length[l]) : 0;
         for (int q = 0; q < NUM_REDUCED_FILMS; q++)
             local->of_film[q][l] *= left;
@@ -354,7 +358,7 @@ void time_indicator_add_local(time_indicator *self, const double errors[NUM_REDU
     for (int q = 0; q < NUM_REDUCED_FILMS; q++) {
         const double error = local->of_film[q][here] + errors[q];
         local->of_film[q][here] =
-            error < films[q] ? error : films[q]; // at most the film; the film if the error is NaN
+            error < films[q] ? error : films[q]; // not more than the film, also if the error is NaN
     }
 }
 

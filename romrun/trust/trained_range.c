@@ -69,14 +69,14 @@ typedef struct hull_edge {
 enum { FIRST_THINNED = 2, NUM_THINNED = RANGE_AXES - FIRST_THINNED };
 
 typedef struct thinning_range {
-    double least, most; // coordinates
+    double least, most; // smallest and largest coordinate in training
 } thinning_range;
 
 struct trained_range {
     hull_edge *edges; // [count], counter-clockwise, in units of `extent`
     size_t count;
-    // limits of all points, in units of `extent`. If all points lie on a straight line, round-off
-    // may make their hull a sliver without ends
+    // limits of all points, in units of `extent`. They are needed if all points lie on a straight
+    // line: because of round-off their hull may then be a sliver that does not end
     point low, high;
     point extent;
     double slack;     // distance outside of the hull that is accepted as inside, in units of
@@ -85,9 +85,9 @@ struct trained_range {
     // limits of the thinning
     thinning_range by[NUM_THINNED];
     size_t num_points, num_outer;
-    double *points; // [RANGE_AXES, num_points] divided by the extents; NULL: all flows are
-                    // Newtonian
-    double *outer;  // [RANGE_AXES, num_outer] points that lie farthest out in some direction
+    double *points; // [RANGE_AXES, num_points] training points, divided by the extents; NULL: all
+                    // flows of the training are Newtonian
+    double *outer;  // [RANGE_AXES, num_outer] training points farthest out in some direction
     known_lubricants *lubricants;
 };
 
@@ -146,12 +146,12 @@ static void find_extent(trained_range *self, const reduced_states *states) {
     self->extent.pressure = high.pressure > low.pressure ? high.pressure - low.pressure : 1;
     self->low = in_units(low, self);
     self->high = in_units(high, self);
-    // accepts the training points themselves. For a trajectory, which is a curve, also accepts the
-    // points between its few stored states
+    // The smaller slack accepts the training points themselves. A trajectory is a curve of which
+    // only a few states are stored; the larger slack also accepts the points between these states.
     self->slack = stationary ? ROUNDING : 2e-3;
 }
 
-/* Writes a place, divided by the extents, as a column. */
+/* Writes a place, relative to the lower limits and divided by the extents, as a column. */
 static void put_column(double *column, size_t stride, const double place[RANGE_AXES],
                        const trained_range *self) {
     const point here = in_units(point_of(place), self);
@@ -165,7 +165,7 @@ static void put_column(double *column, size_t stride, const double place[RANGE_A
     }
 }
 
-/* Returns the point that lies farthest out in a direction. */
+/* Returns the index of the training point that lies farthest out in a direction. */
 static size_t farthest(const trained_range *self, const int direction[RANGE_AXES]) {
     double most = -INFINITY;
     size_t found = 0;
@@ -181,10 +181,10 @@ static size_t farthest(const trained_range *self, const int direction[RANGE_AXES
     return found;
 }
 
-/* Fills self->outer with the points farthest out along the axes and the diagonals. A point may
- * occur several times. Most places inside of the range lie inside of the hull of these few points.
- * For a model of 188 states a check with all points takes 293 thousand instructions. Returns false
- * without memory. */
+/* Fills self->outer with the training points farthest out along the axes and the diagonals. A point
+ * may occur several times. Checks first use the hull of these few points, because most places
+ * inside of the range lie inside of this hull. A check with all points takes 293 thousand
+ * instructions for a model of 188 states. Returns false without memory. */
 static bool list_outer(trained_range *self) {
     size_t num = 1, count = 0;
 
@@ -208,7 +208,8 @@ static bool list_outer(trained_range *self) {
     return self->outer != NULL;
 }
 
-/* Fills self->points if flows of the training are thinned. Returns false without memory. */
+/* Fills self->by and, if flows of the training are thinned, self->points. Returns false without
+ * memory. */
 static bool list_thinned(trained_range *self, const reduced_states *states) {
     const size_t num = states->num_states;
     double place[RANGE_AXES];
@@ -335,7 +336,8 @@ static const char *check(const trained_range *self, range_memory *memory, contac
         return "outside of the trained range of M and alpha p_H";
     if (self->points) {
         put_column(here, 1, place, self);
-        // accepts places that adaptive training leaves outside of its corners
+        // accepts candidates that adaptive training did not take as corners, since they lie
+        // outside of the hull of the other corners only by round-off
         const double slack = fmax(self->slack, 1e-8);
         if (!(hull_distance_in(memory->hull, self->outer, self->num_outer, RANGE_AXES, here) <=
               slack) &&
@@ -367,8 +369,8 @@ const char *trained_range_check(const trained_range *self, range_memory *memory,
     return reason;
 }
 
-/* Returns how far outside of the box around the training a place lies, in the coordinates
- * themselves. */
+/* Returns how far outside of the box around the training points a place lies, in the coordinates of
+ * trained_place. */
 static double outside_box(const trained_range *self, const double place[RANGE_AXES]) {
     const double low[] = {self->low.M * self->extent.M, self->low.pressure * self->extent.pressure,
                           self->by[0].least, self->by[1].least};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Checks whether a contact lies in the range that a model was trained for, the convex hull of the
- * training (README.md, Results that are rejected).
+ * training points (README.md, Results that are rejected).
  * Called by romrun/online for each result, by romrun/calibrate, by deimselect and by
  * snapgen/adaptive.c. */
 #ifndef EHD_TRAINED_RANGE_H
@@ -17,8 +17,8 @@
 enum { RANGE_AXES = 4 };
 void trained_place(double place[RANGE_AXES], contact_place of);
 
-/* The trained range: convex hull of the training points in these coordinates, and fastest change in
- * training. */
+/* The trained range: the convex hull of the training points in the coordinates of trained_place,
+ * and the rates of the fastest changes in training. */
 typedef struct trained_range trained_range;
 trained_range *trained_range_create(const reduced_model *model); // NULL: no memory
 trained_range *trained_range_free(trained_range *range);         // accepts and returns NULL
@@ -29,17 +29,17 @@ typedef struct range_memory range_memory;
 range_memory *range_memory_create(const trained_range *range);
 range_memory *range_memory_free(range_memory *memory); // accepts and returns NULL
 
-/* Returns why a contact lies outside of the range, or NULL. The text is valid until the next check
- * with this memory. `memory` NULL: the check allocates its own memory and does not name a
- * lubricant. `rates`: rates of change of the contact; NULL: it is stationary. If `place` has no
- * lubricant, lubricants are not checked. */
+/* Returns the reason why a contact lies outside of the range, or NULL if it lies inside. The text
+ * is valid until the next check with this memory. `memory` NULL: the check allocates its own
+ * memory, and the text does not name a lubricant. `rates`: rates of change of the contact; NULL:
+ * the contact is stationary. If `place` has no lubricant, lubricants are not checked. */
 const char *trained_range_check(const trained_range *range, range_memory *memory,
                                 contact_place place, const frame_rates *rates);
 
 /* Returns how far outside of the range a contact lies. The solver compares the ranges of several
- * models by this number. If the contact lies inside, the number is minus its depth below the
- * border, relative to the extent of the range. If it lies outside, the number is its distance from
- * the range in the coordinates of trained_place. */
+ * models by this number. For a contact inside, the number is minus its distance from the border,
+ * relative to the extent of the range. For a contact outside, the number is its distance from the
+ * range in the coordinates of trained_place. */
 double trained_range_outside(const trained_range *range, range_memory *memory, contact_place place);
 
 #endif

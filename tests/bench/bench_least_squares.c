@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Compares the floating-point rate of the reduced least squares with that of an OpenBLAS product of
- * the same size, on one core.
+/* Compares the floating-point rate of the least squares of the reduced model with the rate of an
+ * OpenBLAS product of the same size, on one core.
  *
  *     bench_least_squares rows columns [repeats] */
 #include "common/program/program.h"
@@ -54,7 +54,8 @@ int main(int argc, char **argv) {
         blas[i] = program_seconds() - start;
     }
     const spread here = spread_of(own, repeats), there = spread_of(blas, repeats);
-    // a symmetric product (half of a full one), Cholesky factors, and the right-hand side
+    // operations of a symmetric product (half of a full product), Cholesky factors, and the
+    // right-hand side
     const double flops = (double)n * n * m + (double)n * n * n / 3 + 2.0 * n * m + 2.0 * n * n;
     const double rate = flops / here.median, product_rate = 2.0 * n * n * m / there.median;
     printf("least squares %d x %d: %s us, %.1f Gflop/s; dgemm %d x %d x %d: %s us, %.1f Gflop/s; "

@@ -25,8 +25,8 @@ static const double GOAL = 1.9;
 /* Least ratio of processor time to elapsed time on an idle machine. */
 static const double IDLE = 0.98;
 /* Largest number of times that threads may give up their processor voluntarily: at the end one
- * thread waits for the other. With a lock around each step they do so 5 times or more, although
- * mostly the same thread takes the lock again. */
+ * thread waits for the other. With a lock around each step, threads give up the processor 5 times
+ * or more, although mostly the same thread takes the lock again. */
 static const long MOST_WAITS = 2;
 enum { MOST_CONTACTS = 64 };
 

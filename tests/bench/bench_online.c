@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Measures the online solver: the time of a scene when the model is already open, the parts of this
- * time, and the change of the film by one more iteration.
+ * time, and the change of the film that one more iteration causes.
  *
  *     bench_online MODEL.h5 SCENE.yml repeats tolerance modes rows [key=value ...]
  *
- * The tolerance is that of reduced_settings; 0 modes or rows means all of the model. With repeats =
- * 0 the program solves once, from the trained solution nearest to the scene. Use this to count
- * instructions by callgrind with --toggle-collect=reduced_solve. */
+ * `tolerance` is the member of reduced_settings. If `modes` or `rows` is 0, the solver uses all
+ * modes or rows of the model. With repeats = 0 the program solves once, from the trained solution
+ * nearest to the scene. Use repeats = 0 to count instructions by callgrind with
+ * --toggle-collect=reduced_solve. */
 #include "common/program/program.h"
 #include "common/settings/scene_contact.h"
 #include "romrun/model/model_file.h"
@@ -21,7 +22,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Returns the relative change of the central film by one more iteration from the solution. */
+/* Makes one more iteration from the solution, and returns the relative change of the central
+ * film. */
 static double another_iteration(const reduced_state *solution, const reduced_info *info,
                                 const reduced_model *model, const ehd_contact *contact) {
     reduced_settings once = reduced_default_settings();

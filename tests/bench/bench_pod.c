@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Compares the time of a POD (1500 snapshots of 3001 nodes, 160 modes) with that of LAPACK's dgesdd
- * alone, on one core.
+/* Compares the time of a POD (1500 snapshots of 3001 nodes, 160 modes) with the time of LAPACK's
+ * dgesdd alone, on one core.
  *
  *     bench_pod [num_nodes num_states num_modes [repeats]] */
 #include "common/program/program.h"
@@ -14,8 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Fills the snapshots with travelling pressure humps over weak noise. They have full rank, and
- * their singular values decay like those of real snapshots. */
+/* Fills the snapshots with travelling pressure humps over weak noise. The snapshots have full rank,
+ * and their singular values decay like those of real snapshots. */
 static void fill(double *snapshots, size_t num_states, size_t num_nodes) {
     unsigned long long seed = 1;
     for (size_t state = 0; state < num_states; state++) {

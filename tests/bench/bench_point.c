@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Measures the full-order solver on a point contact: M = 20, L = 10, Barus, incompressible, cold
- * start, half domain, one thread. The grids are those for which Venner and Lubrecht published times
- * of their multigrid program (Multilevel Methods in Lubrication, Elsevier 2000). The unit of time
- * is a product of two matrices of 2000 rows. With 257 nodes across, that program takes 46 units to
+ * start, half domain, one thread. For the same grids, Venner and Lubrecht published times of their
+ * multigrid program (Multilevel Methods in Lubrication, Elsevier 2000). The unit of time is a
+ * product of two matrices of 2000 rows. With 257 nodes across, their program takes 46 units to
  * converge, and 4.7 units to reach the truncation error.
  *
  *     bench_point [repeats [largest number of cells]] */
@@ -18,7 +18,7 @@
 enum { FEWEST_CELLS = 64, MOST_CELLS = 512, COMPARED_CELLS = 256, NUM_SIZES = 4 };
 static const double MOST_CONVERGED = 46, MOST_TRUNCATED = 3 * 4.7; // in products of matrices
 static const double MOST_TIME_EXPONENT = 1.5, MOST_MEMORY_EXPONENT = 1.3;
-// at this scaled residual the error is below the error of the grid
+// at this scaled residual the error of the iteration is below the error of the grid
 static const double TRUNCATED = 1e-3;
 
 // ---- the unit of time: a product of matrices
@@ -101,7 +101,7 @@ int main(int argc, char **argv) {
 
     if (repeats == 0) abort();
     openblas_set_num_threads(1);
-    // children are forked first, from a small process
+    // children are forked first, while this process is small
     cold_task task = task_of(FEWEST_CELLS, full_default_settings().tolerance, 0);
     run_apart(&record, sizeof record, &idle, cold_solve, &task);
     for (size_t cells = FEWEST_CELLS; cells <= most && count < NUM_SIZES; cells *= 2, count++) {

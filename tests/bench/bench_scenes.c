@@ -5,9 +5,9 @@
  *     bench_scenes MODEL.h5 SCENE.yml repeats tolerance modes rows <LIST
  *
  * A line of LIST is "M L H_c": values of moes.M and moes.L, and a central film to compare with,
- * such as that of `snapgen check-plan.yml`. Tolerance, modes and rows are as in bench_online. The
- * time of a scene is the median of its repeats. With one repeat, callgrind counts instructions with
- * --toggle-collect=reduced_solve, or =reduced_guess. */
+ * such as the film that `snapgen check-plan.yml` finds. Tolerance, modes and rows are as in
+ * bench_online. The time of a scene is the median of its repeats. With one repeat, callgrind counts
+ * instructions with --toggle-collect=reduced_solve, or =reduced_guess. */
 #include "common/program/program.h"
 #include "common/settings/scene_contact.h"
 #include "romrun/model/model_file.h"

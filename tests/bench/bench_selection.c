@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Measures each selection method on one core. It selects 160 of 3001 rows, for two random
- * orthonormal bases of 160 modes. With the name of a method only this method runs, once, for
- * callgrind. */
+ * orthonormal bases of 160 modes. If the name of a method is given, only this method runs, and only
+ * once, for callgrind. */
 #include "common/program/program.h"
 #include "deimselect/selection.h"
 #include "tests/bench/measure.h"

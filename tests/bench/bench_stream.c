@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Measures the POD of more snapshots than fit in memory. The reference is the least work that any
- * method needs: reading the snapshots once, and multiplying them with as many vectors as they have
- * directions, for one Gram matrix. Makes a file of snapshots and removes it.
+ * method needs: to read the snapshots once, and to multiply the snapshots with as many vectors as
+ * their rank, for one Gram matrix. Makes a file of snapshots and removes it.
  *
  *     bench_stream FILE [num_snapshots num_nodes gigabytes] */
 #include "common/program/program.h"
@@ -21,7 +21,7 @@ typedef struct task {
     const char *path;
     size_t num_snapshots, num_nodes;
     double limit;
-    size_t rank; // rank of the Gram matrix: number of directions
+    size_t rank; // rank of the Gram matrix
 } task;
 
 typedef struct outcome {
@@ -189,7 +189,8 @@ static bases_plan plan_of(const snapshot_set *files, const task *work) {
     return found;
 }
 
-/* Computes the modes alone, which takes one reading. */
+/* Computes the modes without the coordinates of the snapshots. The file of snapshots is read
+ * once. */
 static void find_modes(void *result, const void *context) {
     const task *work = context;
     outcome *own = result;
@@ -218,7 +219,7 @@ static void find_modes(void *result, const void *context) {
     snapshot_set_close(&files);
 }
 
-/* Computes modes and coordinates, which takes two readings. */
+/* Computes the modes and the coordinates of the snapshots. The file of snapshots is read twice. */
 static void build_bases(void *result, const void *context) {
     const task *work = context;
     const program silent = {.name = "bench_stream", .quiet = true};
@@ -272,8 +273,8 @@ int main(int argc, char **argv) {
            memory[1], modes.bytes * 1e-6, work.limit * 1e-6);
     printf("modes and coordinates %.1f s (%.1f), %.2f times (%.2f), %.0f MB\n", bases.passed,
            bases.processor, bases.passed / least, bases.processor / least_work, memory[2]);
-    // processor time, because it depends less on other programs; libraries and the caches of HDF5
-    // take less than 60 MB
+    // compares processor time, because it depends less on other programs; libraries and the caches
+    // of HDF5 take less than 60 MB
     return modes.processor <= 2.5 * least_work &&
                    fmax(memory[1], memory[2]) <= work.limit * 1e-6 + 60
                ? 0

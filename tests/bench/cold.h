@@ -19,7 +19,7 @@ typedef struct cold_record {
     contact_scalars scalars;
 } cold_record;
 
-/* Solves the task (a cold_task) into the record (a cold_record); for run_apart. */
+/* Solves `task` (a cold_task) and fills `record` (a cold_record). Can be passed to run_apart. */
 void cold_solve(void *record, const void *task);
 
 /* Ends the program if a solution has not converged. */

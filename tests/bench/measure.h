@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Shared by the benchmarks: statistics of repeated measurements, and functions that end the program
- * on errors. */
+/* Declares what the benchmarks share: statistics of repeated measurements, and functions that end
+ * the program on errors. */
 #ifndef EHD_MEASURE_H
 #define EHD_MEASURE_H
 

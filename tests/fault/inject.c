@@ -2,7 +2,7 @@
 /* Library for LD_PRELOAD that makes one call of a program fail, or ends the program at that call.
  * From main on, it counts the calls of the kind FAULT_KIND from 1, over all threads:
  *
- *     memory  malloc, calloc, realloc, aligned ones, and mmap of memory
+ *     memory  malloc, calloc, realloc, aligned allocations, and mmap of memory
  *     open    open, fopen            read   read, pread, fread of a regular file
  *     write   write, pwrite          sync   fsync, fdatasync
  *     close   of a regular file      rename rename, link, unlink
@@ -18,9 +18,9 @@
  *     power   the process ends; each page written since the last sync of its file may have any
  *             earlier state on the disk, and a file that has grown may have its earlier size
  *
- * Each reading of the monotonic clock advances it by a fifth of a second. Actions that depend on
- * the clock, such as checkpoints, therefore also happen in short runs, at the same place in each
- * run.
+ * Each reading of the monotonic clock advances the clock by a fifth of a second. Actions that
+ * depend on the clock, such as checkpoints, therefore also happen in short runs, at the same place
+ * in each run.
  *
  * The file FAULT_LOG receives the number of calls at exit and, at the fault, the library that made
  * the call. */
@@ -51,7 +51,7 @@ static const char *const kinds[NUM_KINDS] = {"memory", "open",  "read",   "write
 static const char *const hows[NUM_HOWS] = {"fail", "last", "short", "kill", "tear", "power"};
 
 static int wanted_kind = -1, wanted_how;
-static long wanted_call; // 0: none, only count
+static long wanted_call; // 0: no call fails, calls are only counted
 static atomic_long num_calls;
 static atomic_bool counting;
 
@@ -79,9 +79,10 @@ __attribute__((destructor)) static void log_count(void) {
     if (atomic_load(&counting)) log_line("calls", atomic_load(&num_calls), "-");
 }
 
-/* Logs the library that made the call. Libc and this library make calls for others and are skipped.
- * Programs contain HDF5, whose public functions keep their names (Makefile). Up to two other
- * functions of HDF5 may stand between a public function and the call. */
+/* Logs the library that made the call. Libc and this library make calls for other libraries and are
+ * skipped. The programs contain HDF5, and only its public functions keep their names (Makefile). On
+ * the stack, up to two nameless functions of HDF5 may therefore stand between a public function and
+ * the call. */
 static void log_fault(long call) {
     enum { DEPTH = 32, MOST_NAMELESS = 3 };
     void *frames[DEPTH];
@@ -208,8 +209,8 @@ static bool toss(void) {
     return state >> 63;
 }
 
-/* Decides whether a write has reached the disk. A write has reached it if a later write to the same
- * page has; otherwise the decision is random. */
+/* Decides whether a write has reached the disk. If a later write to the same page has reached the
+ * disk, this write has reached it too. Otherwise the decision is random. */
 static bool is_kept(const change *one) {
     for (const change *later = changes; later != one; later = later->before)
         if (later->kept && later->of == one->of && later->at / PAGE == one->at / PAGE) return true;

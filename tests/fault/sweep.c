@@ -4,7 +4,7 @@
  *
  *     sweep [-r] [-e EVERY] [-n KILLS] KIND HOW OUTPUT COMMAND...
  *
- * It works in the current folder; the environment variable INJECT is the path of the library.
+ * sweep works in the current folder. The environment variable INJECT is the path of the library.
  * Options:
  *
  *     -r          the command takes --resume
@@ -14,9 +14,9 @@
  *
  * A run is right in three cases: it behaves as without the fault; or it prints one line, exits with
  * the code of the kind and leaves no output; or it was killed. After each run, a file with the name
- * of the output is whole. If the command is then started again, it makes the same data to the last
- * bit. If a library that is not ours made the refused allocation, the process may end in any way;
- * such ends are counted separately.
+ * of the output must be complete. If the command is then started again, it must make the same data
+ * to the last bit. If a library that is not ours made the refused allocation, the process may end
+ * in any way. Such ends are counted separately.
  *
  * Prints one line of counts, and a line to stderr for each wrong run. The exit code is 1 if there
  * was a wrong run. */
@@ -44,7 +44,7 @@ static char reference[TEXT], partial[TEXT], finishing[TEXT], saved[TEXT], draft[
 
 static const struct {
     const char *kind;
-    int codes[4]; // exit codes of a run that fails by the fault, then 0
+    int codes[4]; // exit codes allowed if the fault makes a run fail, then 0
 } expected[] = {{"memory", {71}}, {"open", {66, 73, 74}}, {"read", {74}},       {"write", {73, 74}},
                 {"sync", {74}},   {"close", {74}},        {"rename", {73, 74}}, {"map", {74}}};
 
@@ -342,7 +342,7 @@ static void name_files(void) {
     snprintf(draft, sizeof draft, "%s.unchecked", output);
 }
 
-/* Kills runs and their continuations until there were `kills` kills; returns whether a run was
+/* Kills runs and their continuations until `kills` kills have been made. Returns 1 if a run was
  * wrong. */
 static int kill_often(long kills, const outcome *without) {
     long num_kills = 0, num_runs = 0, num_wrong = 0;

@@ -15,7 +15,7 @@ enum { MAX_WORDS = 8, MAX_KEPT = 1 << 14, MAX_TEXT = 1 << 16, CHUNK = 16 };
 
 typedef struct edited {
     hid_t file;
-    const artefact_schema *schema; // NULL: none
+    const artefact_schema *schema; // NULL: the file has no schema
     size_t num_words;
     char *words[MAX_WORDS];
 } edited;
@@ -40,7 +40,7 @@ typedef struct dataset {
     int rank;
     hsize_t lengths[H5S_MAX_RANK];
     hsize_t count;   // number of values
-    double *numbers; // [count]; NULL: not numeric, or more than MAX_KEPT
+    double *numbers; // [count] NULL: the dataset is not numeric, or has more than MAX_KEPT numbers
 } dataset;
 
 static bool is_numeric(hid_t type) {
@@ -120,8 +120,8 @@ static bool is_axis(const edited *self, const char *name) {
 
 // ---- creating a dataset anew
 
-/* Returns a creation list with chunks. No chunk is written before there are values, so lengths may
- * be huge. */
+/* Returns creation properties with chunks. No chunk is written before there are values, so lengths
+ * may be huge. */
 static hid_t chunked(int rank, const hsize_t *lengths) {
     const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
     hsize_t chunk[H5S_MAX_RANK];
@@ -307,7 +307,7 @@ static void set_virtual(hid_t creation, const dataset *found) {
     H5Sclose(space);
 }
 
-/* Returns a creation list with this layout; an unknown kind gives chunks. */
+/* Returns creation properties with this layout; an unknown kind gives chunks. */
 static hid_t make_layout(const char *kind, const dataset *found) {
     hid_t creation = chunked(found->rank, found->lengths);
     const bool plain = is(kind, "contiguous") || is(kind, "compact") || is(kind, "external") ||
@@ -400,7 +400,7 @@ static void put_attribute(const edited *self, hid_t object, const char *name) {
     const hid_t many = H5Screate_simple(1, &length, NULL);
     char *text = joined(self);
     const hid_t variable = make_text(H5T_VARIABLE);
-    // without the terminating zero byte
+    // a fixed text is stored without a terminating zero byte
     const hid_t fixed = make_text(text && *text ? strlen(text) : 1);
     if (is(kind, "real")) write_attribute(object, name, H5T_NATIVE_DOUBLE, one, &real);
     if (is(kind, "integer")) write_attribute(object, name, H5T_NATIVE_INT64, one, &integer);
@@ -471,8 +471,8 @@ static void edit_lines(const char *path, const artefact_schema *schema, const ch
 
 // ---- editing in a separate process
 
-/* A message to the editing process. Its pointers are valid in both processes, because one is a copy
- * of the other. */
+/* A message to the editing process. Its pointers are valid in both processes, because one process
+ * is a copy of the other. */
 typedef struct order {
     const char *path;
     const artefact_schema *schema;

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Edits of a valid HDF5 file, which the HDF5 library makes. The text has one edit a line:
+/* Edits a valid HDF5 file by calls of the HDF5 library. The text has one edit a line:
  *
  *     delete NAME                  deletes the dataset
  *     put NAME INDEX VALUE         sets one value; the index counts through all axes
  *     fill NAME VALUE              sets all values
  *     shape NAME LENGTH...         sets lengths and rank; the old values are repeated as needed
- *     axis NAME LENGTH             does this for every dataset along the axis
+ *     axis NAME LENGTH             sets the length of the axis in every dataset along the axis
  *     type NAME KIND               f32, i8, text, compound, ...
  *     layout NAME KIND             contiguous, compact, deflate, external, virtual, ...
  *     link NAME KIND TARGET        replaces the dataset by a soft, hard or external link, a group or a datatype
- *     attribute NAME KIND VALUE    real, integer, text (with \n and \s), fixed, array, empty, none; NAME is that of an
- *                                  attribute of the root, or DATASET.NAME
+ *     attribute NAME KIND VALUE    real, integer, text (with \n and \s), fixed, array, empty, none; NAME is an attribute
+ *                                  of the root, or DATASET.NAME
  *
  * Edits that make no sense, and other lines, are ignored. */
 #ifndef FUZZ_EDIT_H

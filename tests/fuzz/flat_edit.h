@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Edits of a valid flat model (romrun/model/flat.h). The text has one edit a line:
+/* Edits a valid flat model (romrun/model/flat.h). The text has one edit a line:
  *
  *     put BLOCK INDEX VALUE     sets 8 bytes of the block's data to a number
  *     whole BLOCK INDEX VALUE   sets 8 bytes to a whole number
@@ -9,17 +9,18 @@
  *     size BLOCK BYTES          sets only the size of an element in the header
  *     name BLOCK NAME           renames the block
  *     drop BLOCK                removes the block
- *     twice BLOCK               doubles the block
+ *     twice BLOCK               inserts a second copy of the block
  *     header INDEX VALUE        sets 8 bytes of the file's header
  *     cut BYTES                 removes bytes at the file's end
  *
- * One more edit concerns not the file but its user (target.c):
+ * One more edit does not change the file, but the state of a contact that uses the model
+ * (target.c):
  *
  *     state INDEX VALUE         sets a number of the contact's saved state
  *
- * BLOCK is a name or a number; numbers and indices are taken modulo what exists. The file's length
- * in its header is updated, its checksum is not. Edits that make no sense, and other lines, are
- * ignored. */
+ * BLOCK is a name or a number. Numbers of blocks and indices are taken modulo the number of blocks
+ * and of values. The length in the file's header is updated, the checksum is not. Edits that make
+ * no sense, and other lines, are ignored. */
 #ifndef FUZZ_FLAT_EDIT_H
 #define FUZZ_FLAT_EDIT_H
 

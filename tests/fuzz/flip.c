@@ -3,9 +3,10 @@
  *
  *     flip STEP [TARGET...]    flips every STEP-th bit of each target; needs a folder of with-bases.sh
  *
- * A run has a limit of processor time and of sleep; sleep is counted, not slept. A run must end
- * with an exit code that a damaged file may cause. If it succeeds, its output must be that of a run
- * without the flip. Prints the failures and the number of runs; the exit code is 1 if a run failed. */
+ * A run has limits of processor time and of time asleep. Calls for sleep return at once, and only
+ * their time is counted. A run must end with an exit code that a damaged file may cause. If the run
+ * succeeds, its output must equal the output of a run without the flip. Prints the failures and the
+ * number of runs; the exit code is 1 if a run failed. */
 #include "tests/fuzz/target.h"
 
 #include <errno.h>
@@ -29,13 +30,13 @@
 enum {
     MAX_WAIT = 1,        // limit of sleep in a run, s
     MAX_SECONDS = 20,    // limit of processor time, s; a run takes milliseconds
-    RUNS_A_PROCESS = 200 // bounds the memory that HDF5 keeps from refused files
+    RUNS_A_PROCESS = 200 // limits the memory that HDF5 keeps from refused files
 };
 
 typedef struct interrupted {
     const char *name;
     const char *command; // interrupted command, later resumed with --resume
-    int at;              // percentage of the command's writes at which it was killed
+    int at;              // the command is killed after this percentage of its writes
 } interrupted;
 
 static const interrupted targets[] = {
@@ -55,7 +56,8 @@ enum { NUM_TARGETS = sizeof targets / sizeof *targets };
 
 // ---- replacements of system calls of HDF5 and the programs
 
-static long num_writes, kill_at; // 0: never
+// kill_at: number of the write at which the process is killed; 0: the process is not killed
+static long num_writes, kill_at;
 static double waited;
 
 ssize_t pwrite(int file, const void *bytes, size_t count, off_t at) {
@@ -171,7 +173,7 @@ static int call_limited(const char *command, const char *bytes, size_t length) {
     return code;
 }
 
-/* Runs the command without --resume, which would replace the file, and then a reader of the
+/* Runs the command without --resume, so that it would replace the file, and then a reader of the
  * file. */
 static void meet_others(const interrupted *of, const char *bytes, size_t length) {
     call_limited(of->command, bytes, length);
@@ -183,7 +185,8 @@ static void meet_others(const interrupted *of, const char *bytes, size_t length)
         fuzz_complain("podbuild --print", code, "a code that no file must lead to", fuzz_said());
 }
 
-/* Resumes from the file. The file must be refused, or the result must equal that without a flip. */
+/* Resumes from the file. The file must be refused, or the result must equal the result without a
+ * flip. */
 static void meet(const interrupted *of, const char *bytes, size_t length, const char *digest) {
     char command[256], found[1 << 13];
     snprintf(command, sizeof command, "%s --resume", of->command);
@@ -259,7 +262,7 @@ static size_t flip(const interrupted *of, size_t step) {
         return 1;
     }
     told->refused = told->whole = 0;
-    // with an odd STEP the flips reach all eight bits of the bytes
+    // with an odd STEP the flips reach all eight positions in a byte
     for (told->bit = 0; told->bit < 8 * length;) {
         const pid_t child = fork();
         if (child == 0) run_some(of, bytes, length, step);

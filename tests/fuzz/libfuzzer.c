@@ -26,7 +26,8 @@ int __wrap_strcmp(const char *a, const char *b) {
     return (unsigned char)*a - (unsigned char)*b;
 }
 
-/* Limits an allocation to 512 MB; larger ones are refused as by a system without memory. */
+/* Limits an allocation to 512 MB. Larger allocations are refused, as on a system without enough
+ * memory. */
 const char *__asan_default_options(void) {
     return "allocator_may_return_null=1:max_allocation_size_mb=512:quarantine_size_mb=32:malloc_"
            "context_size=10:detect_stack_use_after_return=0";
@@ -258,7 +259,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *bytes, size_t length, size_t room, unsig
         added = target()->flat ? make_flat_line(line, sizeof line) : make_line(line, sizeof line);
     }
     if (added < 1 || (size_t)added >= sizeof line || (size_t)added > room - length) return length;
-    // put in front, since only the first "base" and the first "run" are used
+    // a line "base" or "run" is put in front, since only the first line of each is used
     const bool first = line[0] == 'b' || line[0] == 'r';
     memmove(bytes + (first ? added : 0), bytes, length);
     memcpy(bytes + (first ? 0 : length), line, (size_t)added);

@@ -3,8 +3,9 @@
  *
  *     replay TARGET FILE...
  *
- * A file "refused-..." has to be refused, a file "accepted-..." has to be read; any other one must
- * only do no harm. Prints the files that fail, and then ends with exit code 1. */
+ * A file "refused-..." has to be refused, a file "accepted-..." has to be read; any other file may
+ * be refused or read, but must do no harm. Prints the files that fail. The exit code is 1 if a file
+ * failed. */
 #include "tests/fuzz/target.h"
 
 #include <signal.h>

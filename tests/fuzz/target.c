@@ -158,7 +158,7 @@ static void edit_state(double *state, size_t count) {
     }
 }
 
-/* Makes steps; one of them starts from a saved and edited state. */
+/* Makes some steps. One step starts from a saved and edited state. */
 static ehdrom_status steps(ehdrom_contact *contact) {
     ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT;
     ehdrom_result result = EHDROM_RESULT_INIT;
@@ -234,7 +234,8 @@ static ehd_status read_scene(const char *bytes, size_t length, ehd_error *error)
     return EHD_OK;
 }
 
-/* Reads a plan. The text of an accepted plan must be readable and give as many points. */
+/* Reads a plan. The text of an accepted plan must be readable and give the same number of
+ * points. */
 static ehd_status read_plan(const char *bytes, size_t length, ehd_error *error) {
     plan read = {0}, again = {0};
     ehd_status status = plan_read(&read, "work.yml", NULL, 0, error);
@@ -400,7 +401,8 @@ const fuzz_target *fuzz_find(const char *name) {
 
 // ---- running a target
 
-/* Returns the number in the first line "WORD N", modulo `count`; `otherwise` without such a line. */
+/* Returns the number in the first line "WORD N", modulo `count`; `otherwise` if there is no such
+ * line. */
 static size_t choice(const char *text, const char *word, size_t count, size_t otherwise) {
     const size_t length = strlen(word);
     for (const char *line = text; line; line = strchr(line, '\n')) {

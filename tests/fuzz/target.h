@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fuzz targets: each hands any bytes to the programs as a file. */
+/* Declares the fuzz targets. Each target passes arbitrary bytes to the programs as a file. */
 #ifndef FUZZ_TARGET_H
 #define FUZZ_TARGET_H
 
@@ -13,13 +13,13 @@ enum { MAX_BASES = 4, MAX_COMMANDS = 12 };
 
 typedef struct fuzz_target {
     const char *name;
-    // The bytes are the file itself, or edits (edit.h, flat_edit.h) of a valid file after lines
-    // "base N" and "run N".
+    // The bytes are the file itself, or a text with edits (edit.h, flat_edit.h) of a valid file. In
+    // such a text, "base N" chooses the valid file.
     const char *file;              // name of the file, such as "work.h5"; NULL: no file
     const char *bases[MAX_BASES];  // valid files to edit; NULL: the bytes are the file
-    const artefact_schema *schema; // schema of the bases; NULL: none
+    const artefact_schema *schema; // schema of the bases; NULL: the reader needs no basis
     bool flat;                     // the bases are flat models, edited by flat_edit.h
-    // "run N" chooses a command; the default is the second one, or the only one
+    // "run N" chooses a command; the default is the second command, or the only command
     const char *commands[MAX_COMMANDS];
     // replaces the commands: reads the bytes and returns a status
     ehd_status (*read)(const char *bytes, size_t length, ehd_error *error);

@@ -13,10 +13,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Makes one allocation return NULL: number `call` from now on, counted from 0. */
+/* Makes one allocation return NULL: allocation number `call` after this call, counted from 0. */
 void allocation_fail_at(size_t call);
 
-/* Returns whether that allocation was reached; ends the counting. */
+/* Ends the counting. Returns whether the allocation that had to fail was reached. */
 bool allocation_failed(void);
 
 #endif

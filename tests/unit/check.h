@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Comparison of doubles in tests; include this instead of cmocka.h. cmocka's own float comparison
- * casts to float and lets NaN pass. */
+/* Comparison of doubles in tests. Tests include this header instead of cmocka.h, because the float
+ * comparison of cmocka casts to float and lets NaN pass. */
 #ifndef EHD_CHECK_H
 #define EHD_CHECK_H
 
@@ -17,15 +17,16 @@
  * (`make check`). */
 bool check_all(void);
 
-/* Returns true if |actual - expected| <= absolute + relative * |expected|. Any NaN is false, and an
- * infinity is only close to itself. */
+/* Returns true if |actual - expected| <= absolute + relative * |expected|. Returns false if any
+ * argument is NaN. An infinity is close only to itself. */
 bool is_close(double actual, double expected, double relative, double absolute);
 
-/* Fail the running test, with values and limit in the message, unless is_close. */
+/* Fails the running test unless is_close returns true. The message contains the values and the
+ * limit. */
 #define check_close(actual, expected, relative, absolute)                                          \
     check_close_at(actual, expected, relative, absolute, #actual, __FILE__, __LINE__)
 
-/* Compares `length` pairs like check_close; the message contains the first index that fails. */
+/* Compares `length` pairs like check_close. The message contains the first index that fails. */
 #define check_close_array(actual, expected, length, relative, absolute)                            \
     check_close_array_at(actual, expected, length, relative, absolute, #actual, __FILE__, __LINE__)
 

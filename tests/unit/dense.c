@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Scaled influence of the film on a row, with columns and lines of the nodes that contribute. */
+/* Influence of the film on a Reynolds row: scaled derivatives by the film at some nodes, with the
+ * columns and lines of these nodes. */
 typedef struct film_row {
     double weight[NUM_STENCIL];
     ptrdiff_t column[NUM_STENCIL], line[NUM_STENCIL];
@@ -32,8 +33,8 @@ static void fill_film_rows(film_row *film, const full_system *system) {
     }
 }
 
-/* Fills the columns of pressure: J = R_P + R_H K. The kernel is indexed by the distance in columns
- * and lines. */
+/* Fills the pressure columns of the Jacobian R_P + R_H K with the part R_H K, the influence of the
+ * pressure through the deflection. The kernel K is indexed by the distance in columns and lines. */
 static void fill_pressure_columns(double *matrix, const film_row *film, const full_system *system) {
     const ptrdiff_t width = (ptrdiff_t)grid_width(system->grid);
     const double *kernel = deflection_kernel(system->deflection);
@@ -67,8 +68,8 @@ static void add_pressure_stencils(double *matrix, const full_system *system) {
     }
 }
 
-/* Fills the column of the rigid approach. The approach changes the film equally at all nodes, and
- * it changes the pressures around the grid. */
+/* Fills the column of the rigid approach. The approach changes the film equally at all nodes. It
+ * also changes the pressures around the grid. */
 static void fill_approach_column(double *column, const film_row *film, const full_system *system) {
     size_t size = system->num_unknowns + 1;
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Frames of a contact with other load, speed, radius and modulus, and times of steps. */
+/* Frames (common/time/frame.h) of a contact with other load, speed, radius and modulus, and times
+ * of steps. */
 #ifndef EHD_FRAMES_H
 #define EHD_FRAMES_H
 

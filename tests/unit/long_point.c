@@ -8,8 +8,8 @@
 
 enum { NUM_GRIDS = 4 };
 
-/* Films of Venner and Lubrecht's multigrid program in Moes units, with converged digits
- * (bench_point.c). */
+/* Film thicknesses that the multigrid program of Venner and Lubrecht computes, in Moes units. All
+ * digits are converged (bench_point.c). */
 static const struct {
     size_t cells;
     double central, minimum;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The transient full model on the grid of the paper's transient load: M = 120, L = 10, Barus,
- * incompressible. */
+/* The transient full model on the grid of the paper's transient load (Maier et al. 2015): M = 120,
+ * L = 10, Barus, incompressible. */
 #include "tests/unit/marched.h"
 
 #include <math.h>
@@ -15,8 +15,8 @@ static void run_paper(marched *self, double step, const char *transient) {
     marched_all(self, &of);
 }
 
-/* With the default tolerance and with a tenth of it, the central films differ by less than 0.2 % at
- * all times. */
+/* Compares runs with the default tolerance and with a tenth of this tolerance. The central films
+ * differ by less than 0.2 % at all times. */
 static void default_tolerance_is_enough(void **state) {
     static const double periods[] = {0.5, 1, 2};
     (void)state;
@@ -40,7 +40,7 @@ static void default_tolerance_is_enough(void **state) {
     }
 }
 
-/* Runs beyond the paper's range of amplitudes and periods end with a positive film. */
+/* Runs with amplitudes and periods beyond the range of the paper must end with a positive film. */
 static void large_amplitudes_are_completed(void **state) {
     static const double amplitudes[] = {0.1, 0.3, 0.5}, periods[] = {0.25, 0.5, 1, 2};
     (void)state;
@@ -61,7 +61,8 @@ static void large_amplitudes_are_completed(void **state) {
         }
 }
 
-/* Halving the steps quarters the differences, also with the paper's parameters. */
+/* If the time steps are halved, the differences fall to a quarter, also with the parameters of the
+ * paper. */
 static void fine_grid_is_of_second_order(void **state) {
     static const double steps[] = {0.02, 0.01, 0.005, 0.0025};
     double film[4];

@@ -125,7 +125,7 @@ void marched_check_restored(marched *other, const marched *stopped, const double
     marched_end(other);
 }
 
-/* Returns the film of a run at any time, linear between its steps. */
+/* Returns the central film of a run at any time, by linear interpolation between its steps. */
 static double film_between(const marched *self, double time) {
     size_t k = 1;
 

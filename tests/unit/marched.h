@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A march of the full model, kept in memory, for tests of transients. */
+/* A time march of the full model whose results are kept in memory, for tests of transient
+ * contacts. */
 #ifndef EHD_MARCHED_H
 #define EHD_MARCHED_H
 
@@ -24,34 +25,36 @@ typedef struct marched {
     double time[MARCHED_STEPS], film[MARCHED_STEPS], least_film[MARCHED_STEPS],
         pressure[MARCHED_STEPS], approach[MARCHED_STEPS], load[MARCHED_STEPS], exit[MARCHED_STEPS],
         effect[MARCHED_STEPS], effect_minimum[MARCHED_STEPS];
-    size_t stop_at; // number of the entry whose store fails; 0: none
+    size_t stop_at; // index of the step whose storing fails; 0: no storing fails
 } marched;
 
 /* Returns a transient scene with a Barus lubricant on -4 … 2. `transient` is the content of the key
- * `transient`. If it has an approach, the approach is given instead of the load. */
+ * `transient` in the scene. If this content has an approach, the approach is given instead of the
+ * load. */
 scene marched_scene(double moes_M, double moes_L, const char *density, double step,
                     const char *transient);
 
 /* Returns a point contact with M = 20, L = 5, compressible, on half a grid of 37 by 33 nodes. */
 scene marched_point(const char *transient);
 
-/* Begins a march with the start as its first entry. The test fails on errors, here and below. */
+/* Begins a march and stores its start as the first entry. On errors, this function and the
+ * functions below fail the test. */
 void marched_begin(marched *self, const scene *of); // end with marched_end
-/* Continues the march to its end; the status is self->outcome. Stopping at `stop_at` is no
- * failure. */
+/* Continues the march to its end and sets self->outcome to its status. A stop at `stop_at` is not
+ * an error. */
 void marched_on(marched *self);
 void marched_end(marched *self);
 
 /* Runs a march from start to end. */
 void marched_all(marched *self, const scene *of);
 
-/* Restores the saved data of `stopped` into another object and continues. Checks that the result
- * equals `whole`, a run without a stop, to the last bit. */
+/* Restores the saved data of `stopped` into another object and continues this march to its end.
+ * Checks that the result equals `whole`, a run without a stop, to the last bit. */
 void marched_check_restored(marched *other, // work
                             const marched *stopped, const double *saved, const marched *whole);
 
-/* Returns the largest relative difference of the central film from the central film of a run with
- * many more steps. */
+/* Returns the largest relative difference between the central film of `self` and the central film
+ * of `from`, a run with many more steps. */
 double marched_deviation(const marched *self, const marched *from);
 
 #endif

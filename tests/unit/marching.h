@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Marches of a reduced model, with all rows or with some of them, for tests of transients. */
+/* Time marches of a reduced model, with all rows (equations) or with some rows, for tests of
+ * transient contacts. */
 #ifndef EHD_MARCHING_H
 #define EHD_MARCHING_H
 
@@ -26,8 +27,8 @@ typedef struct marching {
     march_step last;
 } marching;
 
-/* Starts a contact in a frame, on the grid of the basis. The test fails on errors; the status is in
- * `last`. */
+/* Starts the march of a contact in a frame, on the grid of the basis. The test fails on errors. The
+ * status of the start is in `last`. */
 void marching_start(
     // output:
     marching *self, // free with marching_free
@@ -42,8 +43,8 @@ void marching_free(marching *self);
  * upwind. */
 ehd_contact marching_contact(const trained *of, double moes_M, bool along_path);
 
-/* Returns a basis with one mode for each node. Its trained range covers changing contacts up to the
- * M of the training. Free it with reduced_basis_free. */
+/* Returns a basis with one mode for each node. The trained range of this basis includes transient
+ * contacts up to the largest M of the training. Free it with reduced_basis_free. */
 reduced_basis marching_nodes(const trained *of, deformation_kind kind, const double *weight);
 
 #endif

@@ -25,7 +25,8 @@ void problem_rows_in_time(reynolds_row *rows, const problem *solved,
                           const reynolds_squeeze *squeeze);
 double row_size(const reynolds_row *row);
 
-/* A linear solver that computes the step by GMRES and by dgesv and checks that they agree. */
+/* A linear solver that computes each step twice, by GMRES and by dgesv, and checks that both steps
+ * agree. */
 full_linear_solver compare_linear_solvers;
 
 #endif

@@ -16,7 +16,7 @@ typedef struct reduced_problem {
 /* Settings with which a solver converges as far as round-off allows. */
 extern const reduced_settings strict_settings;
 
-/* Builds model and solver, with `rows` as in reduced_model_build; the test fails on errors. */
+/* Builds model and solver, with `rows` as in reduced_model_build. The test fails on errors. */
 void reduced_problem_init(
     // output:
     reduced_problem *self, // free with reduced_problem_free
@@ -25,24 +25,24 @@ void reduced_problem_init(
     const reduced_settings *settings);
 void reduced_problem_free(reduced_problem *self);
 
-/* Solves from the state of `self`; the test fails if the solution does not converge or is not
- * trusted. */
+/* Solves a contact, starting from the state of `self`. The test fails if the solution does not
+ * converge or is not trusted. */
 void reduced_problem_solve(reduced_problem *self, const ehd_contact *contact);
 
-/* Computes P and H of a state, [num_nodes], from the modes [num_nodes, num_pressure]; the test
- * fails without memory. */
+/* Computes P and H of a state, [num_nodes], from the modes [num_nodes, num_pressure]. The test
+ * fails if no memory can be allocated. */
 void fields_of(double *pressure, double *film, const reduced_state *state,
                const reduced_model *model, const double *pressure_basis);
 
 /* Returns a basis with a pressure mode for each inner node and, if independent, a deformation mode
- * for each node. Its reduced model is the full model. */
+ * for each node. The reduced model of this basis equals the full model. */
 reduced_basis identity_basis(
     // input:
     const snapshot_set *set, deformation_kind kind,
     const double *weight); // [num_nodes]
 
-/* Returns the basis of a half grid on the whole grid. Two mirrored rows together have the weight of
- * their single row on the half grid. */
+/* Returns the basis of a half grid on the whole grid. A row and its mirrored row together have the
+ * weight of the single row on the half grid. */
 reduced_basis mirrored_basis(const reduced_basis *half);
 
 /* Builds a model with some or all rows and writes its file, as deimselect would. */

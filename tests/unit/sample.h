@@ -7,20 +7,21 @@
 #include "common/settings/scene_contact.h"
 
 enum { NUM_SAMPLE_LUBRICANTS = 5 };
-// one or more lubricants of each viscosity law
+// at least one lubricant of each viscosity law
 extern const char *const sample_lubricants[NUM_SAMPLE_LUBRICANTS];
 
 /* Returns a default scene with a lubricant: "barus" (20 1/GPa), "roelands" (0.04 Pa s, 20 1/GPa),
  * or a WLF preset, "no1" … "no3". The density law is "incompressible" or "dowson-higginson". */
 scene sample_scene(const char *lubricant, const char *density, double moes_M, double moes_L);
 
-/* Returns the contact of that scene on -4 … 2 with the given step; abort() if it is refused. */
+/* Returns the contact of sample_scene on -4 … 2 with the given step. Calls abort() if the scene is
+ * refused. */
 ehd_contact sample_contact(const char *lubricant, const char *density, double moes_M, double moes_L,
                            double step);
 
-/* Returns the point contact of that scene on the domain of Venner and Lubrecht, X in -4.5 … 1.5,
- * Y in -3 … 3, whose ends are boundary nodes. `cells` is the even number of cells in each
- * direction. */
+/* Returns the point contact of sample_scene on the domain of Venner and Lubrecht, X in -4.5 … 1.5,
+ * Y in -3 … 3. The ends of the domain are boundary nodes. `cells` is the even number of cells in
+ * each direction. */
 ehd_contact sample_point(const char *lubricant, const char *density, double moes_M, double moes_L,
                          size_t cells, bool half);
 
@@ -28,7 +29,8 @@ ehd_contact sample_point(const char *lubricant, const char *density, double moes
  * its grid. */
 ehd_contact sample_published(ehd_contact contact);
 
-/* Lightly and heavily loaded line contacts with all laws, on grids as coarse as each allows. */
+/* Line contacts under light and heavy loads, with all laws. Each contact has a grid that is as
+ * coarse as the contact allows. */
 enum { NUM_SAMPLE_CASES = 10 };
 ehd_contact sample_case(int i);
 

@@ -9,8 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Returns a polynomial that has degree 3 and is even in Y. Interpolation by four nodes per axis
- * reproduces it. */
+/* Returns a polynomial that has degree 3 and is even in Y. Interpolation with four nodes per axis
+ * reproduces this polynomial exactly. */
 static double cubic(double x, double y) {
     return 1 + x - 0.5 * x * x + 0.25 * x * x * x + (2 - x * x * x) * y * y;
 }
@@ -35,7 +35,7 @@ static ehd_grid point(double x_min, double step, size_t nodes, size_t lines, boo
     return grid_of(x_min, step, nodes, lines, half, DISCRETIZATION_ACCURATE);
 }
 
-/* Compares fields that are equal except for `error` at one node of the first grid. */
+/* Compares fields on two grids that are equal except for `error` at one node of the first grid. */
 static void check_pair(const ehd_grid *grid, const ehd_grid *other, size_t row, double error) {
     double *nodes = field_of(grid, false), *inner = field_of(other, true);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Loss and return of a contact. The load of the test's solver follows from the approach. */
+/* Loss and return of a contact. In the solver of this test, the load follows from the approach. */
 #include "common/settings/scene_contact.h"
 #include "common/time/apart.h"
 #include "tests/unit/check.h"
@@ -13,7 +13,7 @@ static const double STIFFNESS = 2, TOUCHING = 0.1, LIGHTEST = 0.005;
 /* A linear spring. Beyond the touching approach its load is negative. */
 typedef struct spring {
     double state, attempted; // approaches
-    double speed_of_loss;    // no load if bodies recede faster; 0: no limit
+    double speed_of_loss;    // the load is zero if bodies recede faster; 0: no limit
     bool fails;
     size_t num_starts;
 } spring;
@@ -235,7 +235,7 @@ static void bodies_touch_at_rest(void **state) {
         check_close(step.scalars.load * step.frame.load, load_at(-0.3), 1e-12, 0);
         assert_int_equal(step.status, i == 0 ? EHD_UNTRUSTED : EHD_OK);
         assert_true(step.frame.speed == i);
-        // not trusted until the fluid has carried this film out of the contact
+        // the result is not trusted until the fluid has carried this film out of the contact
         solver.accept(solver.self);
         const double width = step.frame.half_width;
         double saved[64];
@@ -277,7 +277,7 @@ static void a_step_that_fails_is_no_lost_contact(void **state) {
     inner.fails = true;
     assert_int_equal(step_to(0.1, 0.5, NAN).status, EHD_NOT_CONVERGED);
     assert_int_equal(step_to(0.1, 0.009, NAN).status,
-                     EHD_NOT_CONVERGED); // the lightest load is below this load
+                     EHD_NOT_CONVERGED); // the lightest load is smaller than this load
     const march_step lost = step_to(0.1, 0.004, NAN);
     assert_true(lost.apart && lost.status == EHD_OK);
     assert_true(isnan(lost.scalars.central_film_thickness));

@@ -108,7 +108,7 @@ static artefact *reopen(void) {
     return file;
 }
 
-/* Returns the content of the file as text; NULL if the file is refused. */
+/* Returns the content of a file as text; NULL if the file is refused. */
 static char *content_of(const char *name) {
     artefact *file = NULL;
     char *text = NULL;
@@ -183,7 +183,7 @@ static ehd_status try_open(void) {
     return status;
 }
 
-/* Returns a Python with h5py; NULL if there is none. */
+/* Returns the command of a Python that has h5py; NULL if there is none. */
 static const char *python(void) {
     static const char *const candidates[] = {"python3", "/usr/bin/python3"};
     for (size_t i = 0; i < 2; i++) {
@@ -259,7 +259,8 @@ static void round_trip(void **state) {
     artefact_close(&file);
 }
 
-/* Copies a file and returns the content that follows the copy's own provenance. */
+/* Copies the file under test to `name` and returns the content of the copy. This content begins
+ * with the copy's own provenance. */
 static char *copied_content(const char *name, const char *const *except_axes) {
     artefact *from = reopen(), *to = NULL;
 
@@ -443,7 +444,7 @@ static void output_names(void **state) {
                   EHD_CANTCREATE, "/proc/x.h5");
 }
 
-/* The provisional name must be unused or a file of our own kind. */
+/* The provisional name must be unused, or belong to a regular file that can be written. */
 static void provisional_names(void **state) {
     (void)state;
     artefact *file = NULL;
@@ -458,7 +459,7 @@ static void provisional_names(void **state) {
     assert_null(file);
 }
 
-/* The final or the provisional name is changed between the first and the last call. */
+/* The final or the provisional name is changed between artefact_create and artefact_finish. */
 static void names_that_change_meanwhile(void **state) {
     (void)state;
     for (int i = 0; i < 3; i++) {
@@ -500,7 +501,7 @@ static void survives_failing_allocations(void **state) {
     artefact_close(&file);
 }
 
-/* Reads texts, one of them in pieces, and checks the whole file. */
+/* Reads several texts, one of which is stored in several pieces, and then checks the whole file. */
 static ehd_status read_texts(char **settings) {
     const char *const names[] = {"contact", "history", "step"};
     artefact *file = NULL;
@@ -558,7 +559,7 @@ static void refused_memory_ends_no_file(void **state) {
     }
 }
 
-static int refused_looks; // number of calls that fail from now on
+static int refused_looks; // number of calls of H5Lexists that fail from now on
 
 /* Replaces H5Lexists of HDF5. */
 htri_t H5Lexists(hid_t where, const char *name, hid_t access) {
@@ -667,8 +668,9 @@ static void replace_dataset(hid_t file, const char *name, hid_t type, int rank, 
     H5Sclose(space);
 }
 
-/* Changes of a file, by a text or a new length of the last axis, and the error that the reader
- * finds; NULL: it accepts the change. */
+/* Changes of a file. `text` is the new value of an attribute, `length` the new length of the last
+ * axis of a dataset. `found` is a part of the error text of the reader; NULL: the reader accepts
+ * the change. */
 static const struct {
     enum { UNFINISHED, TEXT, NO_ATTRIBUTE, NO_DATASET, REALS, GROUP } change;
     const char *name, *text;
@@ -802,7 +804,7 @@ static int cut_file(size_t size) {
     return artefact_check(path, NULL) == EHD_OK;
 }
 
-/* Tries the file at `path` with every `step`-th byte flipped, and cut at many places. */
+/* Tries the file at `path` with every `step`-th byte flipped, and truncated at many places. */
 static void fuzz_file(size_t step) {
     whole = slurp(path, &whole_size);
     whole_content = content_of(path);
@@ -865,8 +867,8 @@ static ehd_status attempt(bool streaming, ehd_error *text) {
 
 static bool limited_streaming;
 
-/* Writes files under a limit of `size` bytes. Either the status is EHD_IO and there is no file, or
- * the file is whole. exit prints nothing. */
+/* Writes files under a limit of `size` bytes. The test succeeds in two cases: the status is EHD_IO
+ * and there is no file, or the file is whole. The exit handlers must print nothing. */
 static int write_with_limit(size_t size) {
     fflush(NULL);
     pid_t child = fork();
@@ -1072,7 +1074,7 @@ static void damage_partial(double number) {
     free(bytes);
 }
 
-/* Unfinished entries of a killed run may be partly written; finished ones are checked one by
+/* Unfinished entries of a killed run may be partly written. Finished entries are checked one by
  * one. */
 static void resume_refuses_damage(void **state) {
     (void)state;
@@ -1109,7 +1111,8 @@ static void resume_checks_inputs(void **state) {
     check_ok(artefact_resume(&file, path, &schema_snapshots, &caller, "same", &error));
     check_ok(artefact_check_input(file, "table", one, &error));
     check_ok(artefact_check_input(file, "table", other, &error));
-    // inputs with exchanged contents are refused; another name with the same content is accepted
+    // two inputs with exchanged contents are refused; a copy of an input under another name is
+    // accepted
     spill(one, "abcd", 4);
     spill(other, "abc", 3);
     spill(third, "abcd", 4);
@@ -1201,7 +1204,8 @@ static void grows_evenly(void **state) {
     const double second = 1.0;
     artefact *file = start_growing();
     put_states(file, 0, NUM_STATES);
-    check_ok(artefact_put_axis_part(file, "state", 1, 1, &second, &error)); // the same value again
+    // writing the same value again does not change the length
+    check_ok(artefact_put_axis_part(file, "state", 1, 1, &second, &error));
     assert_int_equal(artefact_length(file, "state"), NUM_STATES);
     check_ok(artefact_finish(&file, &error));
     check_ok(artefact_check(path, &error));
@@ -1256,7 +1260,7 @@ static void misuse_of_growth_is_internal(void **state) {
         EHD_INTERNAL, "axis row");
     assert_null(file);
     assert_false(exists(partial));
-    // the growing axis must be the first
+    // the growing axis must be the first axis of a dataset
     check_ok(
         artefact_create_growing(&file, path, &schema_snapshots, "x", &caller, "", NULL, &error));
     check_ok(artefact_put_axis(file, "state", NUM_STATES, NULL, &error));
@@ -1271,7 +1275,8 @@ static void misuse_of_growth_is_internal(void **state) {
 
 // ---- files and tools of other programs
 
-/* The least content of a file that another program has written, in other types and layouts. */
+/* A script that writes the least content of a file as another program may write it: with other
+ * types and layouts. */
 static const char foreign[] =
     "import h5py, numpy, sys\n"
     "with h5py.File(sys.argv[1], 'w') as f:\n"
@@ -1368,7 +1373,7 @@ static void transposed_square_field(void **state) {
                "    f['pressure'].dims[0].attach_scale(f['x'])\n"
                "    f['pressure'].dims[1].attach_scale(f['state'])\n");
     check_refused(try_open(), EHD_DATA, "pressure: found state as axis 1");
-    // a second link to the dataset does not change this
+    // with a second link to the dataset the error is the same
     run_python("import h5py, sys\n"
                "with h5py.File(sys.argv[1], 'r+') as f: f['a'] = f['pressure']\n");
     check_refused(try_open(), EHD_DATA, "pressure: found state as axis 1");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The minimum of a band: exact for functions whose dips are not too narrow. */
+/* The minimum over a range of nodes. It is exact for functions whose dips are not too narrow. */
 #include "romrun/state/band_minimum.h"
 #include "tests/unit/check.h"
 
@@ -59,8 +59,8 @@ static void one_dip_anywhere(void **state) {
         }
 }
 
-/* The coarse search may come nearer to the bottom of the shallower dip than to that of the deeper
- * one. */
+/* The coarse search may come nearer to the bottom of the shallower dip than to the bottom of the
+ * deeper dip. */
 static void the_deeper_of_two_dips(void **state) {
     (void)state;
     for (double place = 240; place < 300; place += 0.5)
@@ -70,8 +70,8 @@ static void the_deeper_of_two_dips(void **state) {
         }
 }
 
-/* Returns the value between two nodes. Beyond node 200 it is lower than at the nodes, so the second
- * dip is the deeper one. */
+/* Returns the minimum between the nodes around this node. Beyond node 200 this minimum is lower
+ * than the value at the node, so the second dip is deeper than the first. */
 static double value_between(const void *context, size_t node) {
     return value_at(context, node) - (node > 200 ? 0.1 : 0);
 }

@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* Steps of an adaptive march: growing, shrinking, equal. */
+/* Steps of an adaptive march: equal, growing, shrinking, and changing irregularly. */
 static const double steps[][3] = {
     {0.1, 0.1, 0.1}, {0.2, 0.1, 0.05}, {0.05, 0.1, 0.2}, {0.03, 0.3, 0.01}, {1e-6, 0.5, 0.5}};
 enum { NUM_STEPS = sizeof steps / sizeof *steps };
@@ -19,7 +19,8 @@ static double power(double time, size_t exponent) {
 
 // ---- formula
 
-/* The formula is exact for polynomials up to its order, and not for higher ones. */
+/* The formula is exact for polynomials up to its order, and not for polynomials of higher
+ * degree. */
 static void formula_is_exact_to_its_order(void **state) {
     (void)state;
     for (size_t s = 0; s < NUM_STEPS; s++)
@@ -61,15 +62,16 @@ static void predictor_is_exact_to_its_degree(void **state) {
         }
 }
 
-/* If the previous states are exact, the solution of dy/dT = given has only the local error. For the
- * lowest power of T that the formula does not solve exactly, formula and prediction give this error
- * exactly. */
+/* If the previous states are exact, the solution of dy/dT = given has only the local error. The
+ * test takes the lowest power of T that the formula does not solve exactly. For this power,
+ * formula.error times the difference between exact solution and prediction is exactly the local
+ * error. */
 static void error_is_that_of_the_next_power(void **state) {
     (void)state;
     for (size_t s = 0; s < NUM_STEPS; s++)
         for (size_t num_previous = 2; num_previous <= BDF_PREVIOUS; num_previous++) {
             bdf_formula formula = bdf_step(steps[s][0], steps[s] + 1, num_previous);
-            // with two states the error estimate is that of the first-order formula
+            // with two previous states, formula.error belongs to the formula of first order
             bdf_formula judged = bdf_step(steps[s][0], steps[s] + 1, num_previous - 1);
             size_t n = num_previous;
             double time[BDF_PREVIOUS + 1], given, solution, prediction = 0;
@@ -87,8 +89,8 @@ static void error_is_that_of_the_next_power(void **state) {
     check_close(bdf_step(0.1, NULL, 1).error, 0, 0, 0);
 }
 
-/* After much shorter steps the formula has second order if an earlier state is far enough away; it
- * uses the latest such state. Otherwise the formula has first order. */
+/* Tests a step after much shorter steps. The formula has second order if an earlier state is far
+ * enough away, and uses the latest such state. Otherwise the formula has first order. */
 static void a_step_much_longer_than_the_last_is_of_lower_order(void **state) {
     (void)state;
     const struct {
@@ -112,7 +114,7 @@ static void a_step_much_longer_than_the_last_is_of_lower_order(void **state) {
             sum += formula.predictor[i];
             assert_true(i == 0 || i == cases[c].second || formula.weight[i] == 0);
         }
-        // errors of the states are not amplified: the formula's factor is 1 + sqrt(2)
+        // errors of the states are not amplified: the growth limit of the formula is 1 + sqrt(2)
         check_close(rate, 0, 0, 1e-14 * weights);
         check_close(sum, 1, 1e-13, 0);
         assert_true(weights / formula.rate < 2 * (2 + sqrt(2)));
@@ -173,8 +175,8 @@ static double accepted_time(const bdf_ring *ring, size_t before) {
     return ring->time[bdf_ring_accepted(ring, before)];
 }
 
-/* If steps are shorter than the least interval, the ring keeps only some states. If steps grow, it
- * keeps all states. */
+/* If steps are shorter than the least interval, the ring keeps only some of their states; the
+ * others are passing (bdf.h). If steps grow, the ring keeps all states. */
 static void states_that_follow_too_soon_are_passing(void **state) {
     (void)state;
     const double times[] = {0, 1, 2, 2.25, 2.5, 3.25, 4.25, 4.5, 5.25};
@@ -195,7 +197,7 @@ static void states_that_follow_too_soon_are_passing(void **state) {
         assert_int_equal(promoted.num_previous, BDF_PREVIOUS);
         for (size_t i = 1; i <= BDF_PREVIOUS; i++)
             assert_int_equal(promoted.place[i], bdf_ring_accepted(&ring, i));
-        bdf_ring_restart(&ring); // makes the passing state the only previous one
+        bdf_ring_restart(&ring); // makes the passing state the only previous state
         assert_int_equal(ring.num_previous, 1);
         check_close(ring.time[ring.place[1]], times[count - 1], 0, 0);
     }

@@ -148,7 +148,7 @@ static void a_passing_state_comes_back(void **state) {
     const double times[] = {5.25, 5, 4};
     for (size_t i = 0; i < 3; i++)
         check_close(after.states[bdf_ring_accepted(&after.bdf.ring, i + 1)][0], times[i], 0, 0);
-    // a model without passing states refuses a saved passing state
+    // a model that does not allow passing states (bdf.h) refuses a saved passing state
     after.bdf.model = &without;
     assert_int_equal(restore(&after, saved, &error), EHD_DATA);
     after.bdf.model = &passing_model;

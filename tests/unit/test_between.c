@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Scenes between those of a training: a grid worked by hand, arbitrary points, trajectories. */
+/* Validation scenes between the scenes of a training: a grid worked out by hand, arbitrary points,
+ * and trajectories. */
 #include "common/settings/settings_table.h"
 #include "common/training/between.h"
 #include "tests/unit/allocation.h"
@@ -107,7 +108,8 @@ static size_t count_chosen(const bool *chosen, size_t length) {
     return count;
 }
 
-/* A grid of three by two points has the middles of seven lines and of two cells. */
+/* A grid of three by two points has seven edges and two cells. The middles of all edges and cells
+ * are new scenes. */
 static void test_grid(void **state) {
     sample grid = {0};
     (void)state;
@@ -130,8 +132,8 @@ static void test_grid(void **state) {
     free_sample(&grid);
 }
 
-/* Points with different lubricants or groups have no middle. A point that is left out of the set
- * does not separate its neighbours. */
+/* Between points with different lubricants or groups there is no middle. If a point is left out of
+ * the set, the points on both sides of it become neighbours. */
 static void test_families(void **state) {
     const bool keep[] = {true, false, true, true, true, true, true};
     sample points = {0};
@@ -161,8 +163,8 @@ static void test_families(void **state) {
     free_sample(&points);
 }
 
-/* Trajectories that differ only in numbers have middles. A trajectory without such a partner gives
- * a scene with half of its own change. */
+/* Between trajectories that differ only in numbers there is a middle. A trajectory without such a
+ * partner gives a scene with half of its own change. */
 static void test_trajectories(void **state) {
     sample moved = {0};
     size_t count = 0;
@@ -237,8 +239,8 @@ static void test_spread(void **state) {
     free_sample(&several);
 }
 
-/* Two of nine points are chosen already. A request for one of the other seven gives the middle one;
- * a request for three gives one in each third. */
+/* Two of nine points are chosen already. If one more point is requested, the middle point is
+ * chosen. If three more points are requested, one point in each third is chosen. */
 static void test_sweep(void **state) {
     bool chosen[9] = {true, [8] = true};
     sample line = {0};
@@ -289,7 +291,7 @@ static void test_no_memory(void **state) {
         allocation_fail_at(call);
         ehd_status status = between_neighbours(&between, &line.of, &line.set, "plan", NULL);
         failed = allocation_failed();
-        // a middle whose contact cannot be made is left out
+        // if the allocation of a contact fails, its middle is left out without an error
         if (!failed) assert_int_equal(status, EHD_OK);
         if (status) assert_int_equal(status, EHD_MEMORY);
         plan_free(&between);

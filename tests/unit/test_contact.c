@@ -87,8 +87,8 @@ static void contradictory_viscosity_is_refused(void **state) {
     assert_non_null(strstr(error.text, "physical.viscosity: found 0.039, expected 0.04"));
 }
 
-/* A viscosity that contradicts the scene's temperature, such as that of the reference temperature,
- * is refused. If no viscosity is given, that of the law is used. */
+/* A viscosity that contradicts the scene's temperature is refused, for example the viscosity at the
+ * reference temperature. If no viscosity is given, the viscosity of the law is used. */
 static void viscosity_is_that_of_the_temperature(void **state) {
     static const char *const laws[] = {"barus", "roelands"};
     (void)state;

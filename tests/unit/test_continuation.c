@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Starts of Newton: warm from a neighbour or from far away, and cold. */
+/* Starts of Newton's method: warm starts from a neighbour or from far away, and cold starts. */
 #include "fullrun/full_solver.h"
 #include "tests/unit/check.h"
 #include "tests/unit/problem.h"
@@ -24,7 +24,7 @@ static void warm_start_equals_cold_start(void **state) {
     }
 }
 
-/* A start from far away falls back to a cold one. */
+/* If a start from far away fails, the solver falls back to a cold start. */
 static void far_start_converges(void **state) {
     (void)state;
     full_settings settings = full_default_settings();
@@ -42,7 +42,7 @@ static void far_start_converges(void **state) {
 }
 
 /* If neighbours are too far apart, smaller continuation steps would take hundreds or thousands of
- * iterations; a cold start takes a few. */
+ * iterations. A cold start takes few iterations. */
 static void far_start_is_given_up_early(void **state) {
     (void)state;
     full_settings settings = full_default_settings();
@@ -57,13 +57,13 @@ static void far_start_is_given_up_early(void **state) {
     problem_free(&far);
 }
 
-/* A cold start must reduce its continuation steps to an eighth if this helps. If there is no
- * solution, it must not take many more steps. */
+/* A cold start must reduce its continuation steps to an eighth if this leads to the solution. If
+ * there is no solution, it must not try many smaller steps. */
 static void continuation_takes_strides_that_help(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
     const ehd_contact comes = sample_contact("roelands", "incompressible", 2, 50, 0.0125);
-    // in the accurate discretisation this contact has a solution
+    // this contact has a solution in the accurate discretisation, but not in the published one
     const ehd_contact too_coarse =
         sample_published(sample_contact("barus", "dowson-higginson", 200, 0, 0.04));
     problem easy, hopeless;
@@ -79,7 +79,7 @@ static void continuation_takes_strides_that_help(void **state) {
 }
 
 /* Contacts with extreme parameters all converge from the dry contact. This start takes no more
- * iterations than a start from the film that would otherwise be used. */
+ * iterations than a start from the film that the solver would use without the dry contact. */
 static void extremes_converge(void **state) {
     (void)state;
     static const double corners[][2] = {{1, 0},  {2, 0.5}, {10, 0},   {20, 0},  {50, 0}, {200, 0},

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Compares the deflection of lines and points with integrals, a direct sum, and Hertz. */
+/* Compares the deflection of lines and points with integrals, with a direct sum, and with the
+ * solution of Hertz. */
 #include "common/physics/deflection.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -26,13 +27,15 @@ static double line_influence(double x, void *parameters) {
     return -log(x * x) / (2 * M_PI);
 }
 
-/* Returns 1/r integrated along x over a cell, at the distance y; the integral over y remains. */
+/* Returns the integral of 1/r along x over a cell, at the distance y. integral_over_cell then
+ * integrates over y. */
 static double strip(double y, void *parameters) {
     const double *ends = parameters;
     return 2 / (M_PI * M_PI) * (asinh(ends[1] / fabs(y)) - asinh(ends[0] / fabs(y)));
 }
 
-/* Integrates over the cell whose middle is `centre`; the influence may be singular at zero. */
+/* Integrates the influence over the cell whose middle is `centre`. The influence may be singular at
+ * zero. */
 static double integral_over_cell(const gsl_function *influence, double centre, double step) {
     gsl_integration_workspace *workspace = gsl_integration_workspace_alloc(500);
     const double begin = centre - step / 2, end = centre + step / 2;
@@ -151,8 +154,9 @@ static double *hertz_deflection(const ehd_contact *contact) {
     return values;
 }
 
-/* Compares with the film of the dry contact: zero inside, (|X| sqrt(X^2-1) - ln(|X| +
- * sqrt(X^2-1)))/2 outside, with Delta(0) = 1/4 + ln(2)/2. Returns the largest deviation. */
+/* Compares the film with the film of the dry contact: zero inside, (|X| sqrt(X^2-1) -
+ * ln(|X| + sqrt(X^2-1)))/2 outside, with Delta(0) = 1/4 + ln(2)/2. Returns the largest
+ * deviation. */
 static double line_deviation(double step) {
     const ehd_contact contact = line_contact(step);
     double *values = hertz_deflection(&contact), worst = 0;
@@ -177,8 +181,8 @@ static void hertz_pressure_deflects_a_line_as_hertz(void **state) {
     assert_true(fine / finest > 2.2 && fine / finest < 3);
 }
 
-/* Compares with Delta = 1 - r^2/2 inside and ((2 - r^2) asin(1/r) + sqrt(r^2 - 1))/pi outside.
- * Returns the largest deviation. */
+/* Returns the largest deviation of the deflection from Delta = 1 - r^2/2 inside and ((2 - r^2)
+ * asin(1/r) + sqrt(r^2 - 1))/pi outside. */
 static double point_deviation(size_t cells, bool half) {
     const ehd_contact contact = point_contact(cells, half);
     double *values = hertz_deflection(&contact), worst = 0;
@@ -247,8 +251,8 @@ static void order_of_the_deflection(void **state) {
     }
 }
 
-/* Threads divide the lines and columns of the grid. The number of threads changes no bit, on coarse
- * and fine grids. */
+/* Threads share the lines and columns of the grid. The result has the same bits with any number of
+ * threads, on coarse and fine grids. */
 static void threads_deflect_to_the_same_bits(void **state) {
     (void)state;
     for (size_t cells = 8; cells <= 128; cells *= 4)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Derivatives of reduced solutions, against differences of neighbouring solutions. Transient
- * derivatives are in test_online_transient.c. */
+/* Derivatives of reduced solutions, compared with differences of neighbouring solutions. Transient
+ * derivatives are tested in test_online_transient.c. */
 #include "romrun/online/online.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -39,7 +39,7 @@ typedef struct problem {
 static problem tested;
 
 /* Makes a model with one mode for each node and all rows; the residuals of its solutions vanish.
- * Solves a contact between the training points to round-off. */
+ * Sets a contact between the training points, and a tolerance of round-off. */
 static void problem_init(problem *self, deformation_kind kind) {
     const size_t num_nodes = self->training.set.grid.num_nodes;
     double *weight = malloc(num_nodes * sizeof *weight);
@@ -102,7 +102,7 @@ static void check_all_close(const online_derivatives *found, const online_deriva
     check_close(f->rigid_approach, e->rigid_approach, relative, absolute);
     check_close(f->load, e->load, relative, absolute);
     check_close(found->half_width, expected->half_width, relative, absolute);
-    // in a point contact the pressure maximum is a corner at a node, not smooth
+    // in a point contact the pressure maximum has a kink at a node, so the tolerance is larger
     check_close(found->peak_pressure, expected->peak_pressure, relative, 3e-5);
 }
 
@@ -131,7 +131,8 @@ static void solve_here(problem *self) {
     assert_int_not_equal(result.status, EHD_NOT_CONVERGED);
 }
 
-/* Checks relations between derivatives of one solution. With a given approach the load is a result. */
+/* Checks relations between derivatives of one solution. If the approach is given, the load is a
+ * result. */
 static void check_exchange(problem *self, const online_derivatives *by_load) {
     const online_direction by_approach = {.load = NAN, .approach = 1};
     const online_direction by_speed = {.load = NAN, .approach = 0, .speed = 1};
@@ -162,7 +163,8 @@ static void check_left_alone(problem *self) {
     assert_memory_equal(behind.bound, before.bound, sizeof before.bound);
 }
 
-/* Checks that derivatives of the next solution equal the derivatives by another solver. */
+/* Checks that derivatives of the next solution equal the derivatives that another solver
+ * computes. */
 static void check_follows(problem *self) {
     const online_direction by_load = {.load = 1, .approach = NAN};
     const online_derivatives before = differentiate(self, &by_load);
@@ -255,7 +257,7 @@ static void what_cannot_be_told_is_refused(void **state) {
         assert_int_equal(
             online_differentiate(&found, tested.solver, &tested.contact, &wrong[i], &error),
             EHD_DATA);
-    // an approach relative to a point inside the pressurised zone
+    // an approach may not be relative to a point inside the pressurised zone
     tested.contact.approach_length = 1;
     assert_int_equal(
         online_differentiate(&found, tested.solver, &tested.contact, &by_approach, &error),

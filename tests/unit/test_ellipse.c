@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The elliptical contact: compares its shape with integrals and tables, and its parameters with the
- * dimensional contact. Under Hertz pressure its gap is constant. */
+/* The elliptical contact. Its shape is compared with integrals and published formulas, and its
+ * parameters with the dimensional contact. Under Hertz pressure the gap of the contact is
+ * constant. */
 #include "common/physics/deflection.h"
 #include "common/physics/grid_choice.h"
 #include "common/physics/reynolds.h"
@@ -19,7 +20,8 @@ enum { NUM_RATIOS = sizeof ratios / sizeof *ratios };
 
 // ---- the shape
 
-/* Returns the integrand of A with t = s^2/(1 - s)^2. The next function returns that of B. */
+/* Returns the integrand of A with t = s^2/(1 - s)^2 (common/physics/README.md). The next function
+ * returns the integrand of B. */
 static double along(double s, void *parameters) {
     const double k2 = pow(*(double *)parameters, 2), root = s / (1 - s), t = root * root;
     return 2 / (pow(1 + t, 1.5) * sqrt(k2 + t)) / ((1 - s) * (1 - s));
@@ -53,23 +55,23 @@ static void shapes_are_those_of_the_integrals(void **state) {
         check_close(ellipse_radius_ratio(k), A / B, 1e-11, 0);
         check_close(ellipse_ellipticity(ellipse_radius_ratio(k)), k, 1e-13, 0);
     }
-    // a circle is exact to the last bit, also if its ellipticity is computed from the ratio of
-    // radii
+    // the shape of a circle is exact to the last bit, also if its ellipticity is computed from the
+    // ratio of the radii
     const contact_shape circle = shape_of(ellipse_ellipticity(1));
     assert_memory_equal(&circle, &shape_round, sizeof circle);
 }
 
-/* Compares with Legendre's integrals, as in handbooks (A. P. Boresi, R. J. Schmidt, Advanced
- * Mechanics of Materials, contact stresses). k is the minor over the major semi-axis, e^2 = 1 -
- * k^2, and the curvatures are 2 A < 2 B. Then A/B = (K - E)/(E/k^2 - K), and the minor semi-axis is
- * (2 k E/pi)^(1/3) (3 w/(2 E' (A + B)))^(1/3). */
+/* Compares the semi-axes with Legendre's integrals, as in handbooks (A. P. Boresi, R. J. Schmidt,
+ * Advanced Mechanics of Materials, contact stresses). k is the ratio of the minor to the major
+ * semi-axis, e^2 = 1 - k^2, and the curvatures are 2 A < 2 B. Then A/B = (K - E)/(E/k^2 - K), and
+ * the minor semi-axis is (2 k E/pi)^(1/3) (3 w/(2 E' (A + B)))^(1/3). */
 static void semi_axes_are_those_of_handbooks(void **state) {
     (void)state;
     for (double k = 0.1; k < 0.99; k += 0.11) {
         const double e = sqrt(1 - k * k);
         const double K = gsl_sf_ellint_Kcomp(e, GSL_PREC_DOUBLE);
         const double E = gsl_sf_ellint_Ecomp(e, GSL_PREC_DOUBLE);
-        const double ratio = (E / (k * k) - K) / (K - E); // B/A, the larger over the smaller radius
+        const double ratio = (E / (k * k) - K) / (K - E); // ratio B/A of larger to smaller radius
         const double radius = 0.01, modulus = 2e11, load = 50;
         const double both = (1 + 1 / ratio) / (2 * radius);
         const double minor = cbrt(2 * k * E / M_PI) * cbrt(3 * load / (2 * modulus * both));
@@ -131,7 +133,8 @@ static void numbers_are_those_of_the_dimensional_contact(void **state) {
         check_close(contact.alpha_p_H, 2e-8 * p_H, 1e-12, 0);
         check_close(shape->gap_across, radius * b * b / (radius_across * a * a), 1e-12, 0);
         check_close(contact.kind->moes_M(shape, contact.lambda), contact.moes_M, 1e-12, 0);
-        // the coefficient of the deflection, 2 p_H b R_x/(pi E' a^2), from a cell far away
+        // the coefficient of the deflection, 2 p_H b R_x/(pi E' a^2), computed from the influence
+        // of a distant cell
         check_close(contact.kind->kernel(shape, 80, 0, 0.1) / (0.01 * shape->cell / 80),
                     2 * p_H * b * radius / (M_PI * 2.2e11 * a * a), 1e-6, 0);
         // the same contact turned by 90 degrees: the semi-axes are exchanged
@@ -161,8 +164,8 @@ static void moes_numbers_give_the_same_contact(void **state) {
     assert_false(grid_same(&contact.grid, &physical.grid));
 }
 
-/* The grid of ellipticity 1 is that of a point contact. For wide ellipses the sides of the grid
- * must lie nearer to the centre, in units of b. */
+/* For ellipticity 1 the default grid is the grid of a point contact. For wide ellipses the sides of
+ * the grid must lie nearer to the centre, in units of b. */
 static void default_grid_knows_the_sides(void **state) {
     (void)state;
     static const double of[] = {0.5, 1, 2, 4, 9};
@@ -184,7 +187,8 @@ static void default_grid_knows_the_sides(void **state) {
 
 // ---- the kernel
 
-/* Returns 1/r integrated along x over a cell, at Y = y; the integral over Y remains. */
+/* Returns the integral of 1/r along x over a cell, at Y = y. integral_over_cell then integrates
+ * over Y. */
 static double strip(double y, void *parameters) {
     const double *cell = parameters; // ends of the cell, k
     return asinh(cell[1] / fabs(cell[2] * y)) - asinh(cell[0] / fabs(cell[2] * y));
@@ -236,8 +240,9 @@ static ehd_contact ellipse_on(double k, size_t cells) {
     return contact;
 }
 
-/* Computes two largest deviations of gap plus deflection: inside the ellipse, from the value at the
- * centre; outside of it on Y = 0, from the dry gap. */
+/* Computes the largest deviations of gap plus deflection. `inside`: deviation from the value at the
+ * centre, inside the ellipse. `outside`: deviation from the dry gap, outside the ellipse on Y =
+ * 0. */
 static void deviations_under_hertz(double *inside, double *outside, double k, size_t cells) {
     const ehd_contact contact = ellipse_on(k, cells);
     const ehd_grid *grid = &contact.grid;
@@ -295,8 +300,8 @@ static void dry_gap_opens_from_the_edge(void **state) {
 
 // ---- the rows
 
-/* For ellipticity b/a the flow across has the factor (a/b)^2. The grid step across replaces the
- * step along. */
+/* For ellipticity b/a the flow across has the factor (a/b)^2. Its term contains the grid step
+ * across instead of the grid step along. */
 static void flow_across_has_its_factor(void **state) {
     (void)state;
     const double k = 2.5;
@@ -310,7 +315,7 @@ static void flow_across_has_its_factor(void **state) {
         assert_non_null(memory);
         double *pressure = memory + NUM_FLUID_ARRAYS * n, *film = pressure + n;
         reynolds_fluid fluid = reynolds_fluid_in(memory, n, &contact);
-        // residuals: without flow across, of the circle, of the ellipse
+        // residuals without flow across, with the flow across of the circle, and of the ellipse
         double cell = NAN, residual[3];
         const size_t node = grid_node_of_row(grid, grid->inner_x * 2 + 3);
         reynolds_stencil stencil = reynolds_stencil_at(grid, node);

@@ -55,7 +55,8 @@ static exit_cell cell_of(small_exit *small) {
     return cell;
 }
 
-/* Moves the exit to the place where the film without pressure carries the flux; returns its cell. */
+/* Moves the exit to the place where the film without pressure carries the flux. Returns the exit
+ * cell at this place. */
 static exit_cell settled_cell(small_exit *small) {
     exit_cell cell = cell_of(small);
 
@@ -117,7 +118,8 @@ static void the_cell_s_derivatives_are_those_of_its_residual(void **state) {
     }
 }
 
-/* Solves function = 0 for a pressure of the small exit by the secant method. */
+/* Finds the value of *pressure, one of the pressures of `small`, at which `function` is zero. Uses
+ * the secant method. */
 static void solve_for(double *pressure, double (*function)(small_exit *small), small_exit *small) {
     double last = *pressure, before = function(small), now;
 
@@ -138,8 +140,8 @@ static double what_flows_before_the_last(small_exit *small) {
 }
 
 /* If the exit is at the next node and the fluxes satisfy the Reynolds rows, the equations of the
- * cell with offset 1 are also satisfied exactly. Therefore nothing jumps when the exit passes a
- * node. */
+ * cell with offset 1 are also satisfied exactly. Therefore the solution does not jump when the exit
+ * passes a node. */
 static void at_a_node_the_cell_s_equations_are_the_rows(void **state) {
     small_exit small;
     (void)state;
@@ -160,9 +162,9 @@ static void at_a_node_the_cell_s_equations_are_the_rows(void **state) {
 
 enum { NUM_PLACED = 12 };
 
-/* Returns the error of the place of an exit, in grid steps. At time zero the entrained and squeezed
- * film is H = H0 + a x^2 - b T. The pressure belongs to the flow F(x) = U H(x_e) - b (x_e - x), and
- * ends at x_e. */
+/* Returns the error of the position of an exit, in grid steps. The film is entrained and squeezed:
+ * H = H0 + a x^2 - b T, with a = `rise` and b = `fall`, at T = 0. The pressure belongs to the flow
+ * F(x) = U H(x_e) - b (x_e - x), and ends at x_e. */
 static double place_off(double exit, double rise, double fall, bool in_time) {
     const double step = 0.1, entrainment = 0.8, rate = 20;
     ehd_contact contact = sample_contact("barus", "incompressible", 5, 0, 0.1);

@@ -56,12 +56,12 @@ static reduced_squeeze no_squeeze(const reduced_model *model) {
     return (reduced_squeeze){.rate = 0, .previous = previous, .previous_at = nothing_previous};
 }
 
-/* A transient model of the line contact with the whole basis. The test replaces the linear
- * solver. */
+/* A transient model of the line contact with a mode for each inner node. The test replaces its
+ * linear solver. */
 typedef struct own_steps {
     reduced_problem reduced;
     reduced_squeeze squeeze;
-    least_squares *usual; // for the steps that the test does not prescribe
+    least_squares *usual; // solves the steps that the test does not prescribe
 } own_steps;
 
 static void own_steps_init(own_steps *self, reduced_linear_solver *solve, void *context) {
@@ -82,8 +82,8 @@ static void own_steps_free(own_steps *self) {
     reduced_problem_free(&self->reduced);
 }
 
-/* Starts from the solution of a training point with the given exit; returns the solution,
- * [num_unknowns]. */
+/* Sets the state to the solution of a training point, but with the given exit. Returns the
+ * solution, [num_unknowns]. */
 static const double *start_at(own_steps *self, size_t s, size_t exit) {
     const size_t n = self->reduced.model.num_unknowns;
     const double *solution = line_basis.states.coordinates + s * n;
@@ -105,9 +105,9 @@ static void solve_on(own_steps *self, size_t s) {
 // ---- an exit that is fixed after oscillating
 
 /* A linear solver that makes the last pressure before the exit alternately negative and positive
- * until the exit is fixed. Then it solves the least squares. The changes are small, because far
- * from the solution no exit is searched. Each change is also less than 0.6 of the previous one;
- * otherwise the exit would be fixed at once. */
+ * until the exit is fixed. After that it solves the least-squares problem. The changes are small,
+ * because the exit is not searched far from the solution. Each change is also less than 0.6 of the
+ * previous change; otherwise the exit would be fixed at once. */
 static const double SWINGS[] = {3e-3, -1.8e-3, 9e-4, -5e-4, 2e-4, -1e-4};
 enum { NUM_SWINGS = sizeof SWINGS / sizeof *SWINGS };
 
@@ -125,19 +125,19 @@ static ehd_status go_to_and_fro(double *step, void *context, const double *matri
     if (call >= NUM_SWINGS) return least_squares_solve(step, self->usual, matrix, right, num_rows);
     memset(step, 0, num_unknowns * sizeof *step);
     step[self->mode] = SWINGS[call] - SWINGS[call - 1];
-    step[self->mode / 2] = step[self->mode]; // the exit never cuts off this mode
+    step[self->mode / 2] = step[self->mode]; // this mode is always before the exit
     return EHD_OK;
 }
 
-/* Solves a trained contact whose exit is fixed `behind` nodes behind its true place. */
+/* Solves a trained contact whose exit is fixed `behind` nodes downstream of its true place. */
 static reduced_info solve_held(size_t s, size_t behind) {
     const size_t exit = line.states->exit[s] + behind;
     to_and_fro other;
     own_steps own;
 
     own_steps_init(&own, go_to_and_fro, &other);
-    // mode k is the pressure at node k + 1; the pressure of the node upstream keeps the exit from
-    // moving farther
+    // mode k is the pressure at node k + 1; the positive pressure at the next node upstream keeps
+    // the exit from moving farther upstream
     other = (to_and_fro){.mode = exit - 2, .usual = own.usual};
     start_at(&own, s, exit);
     own.reduced.state.coordinates[exit - 2] = SWINGS[0];
@@ -150,9 +150,9 @@ static reduced_info solve_held(size_t s, size_t behind) {
     return info;
 }
 
-/* Behind the true exit the pressure is negative. An exit one node too far changes the central film
- * by less than 1e-5, which is accepted. Two nodes change it by up to 3e-5 and four by 1e-4, which
- * is not trusted. */
+/* Behind the true exit the pressure is negative. If the exit is one node too far downstream, the
+ * central film changes by less than 1e-5, which is accepted. Two nodes change the film by up to
+ * 3e-5, and four nodes by 1e-4. These results are not trusted. */
 static void an_exit_held_elsewhere_is_not_trusted(void **state) {
     (void)state;
     for (size_t s = 0; s < TRAINED_STATES; s += 5)
@@ -168,8 +168,8 @@ static void an_exit_held_elsewhere_is_not_trusted(void **state) {
 }
 
 /* A linear solver whose first step adds pressure at the node before the exit, so that the exit
- * moves on. Its second step removes the pressure of a node farther upstream. Then it solves the
- * least squares. */
+ * moves downstream. Its second step removes the pressure of a node farther upstream. After that it
+ * solves the least-squares problem. */
 typedef struct back_and_on {
     size_t last, emptied; // modes
     double suction;
@@ -191,8 +191,8 @@ static ehd_status go_back_and_on(double *step, void *context, const double *matr
     return EHD_OK;
 }
 
-/* Transient: an exit that reverses and moves back by several nodes is not fixed, and reaches its
- * place. */
+/* In a transient run, an exit that reverses and moves back by several nodes is not fixed. It
+ * reaches its true place. */
 static void an_exit_that_turns_by_more_goes_on(void **state) {
     (void)state;
     back_and_on other;
@@ -217,7 +217,7 @@ static void an_exit_that_turns_by_more_goes_on(void **state) {
 // ---- pressures far from the solution
 
 /* A linear solver whose first step makes the pressure negative at the third node before the exit.
- * Its second step reverses this. Then it solves the least squares. */
+ * Its second step reverses this change. After that it solves the least-squares problem. */
 typedef struct far_away {
     const reduced_state *state;
     size_t mode;
@@ -238,7 +238,8 @@ static ehd_status go_far_away(double *step, void *context, const double *matrix,
     return EHD_OK;
 }
 
-/* Transient: the exit of the previous step is kept until the pressure is near the solution. */
+/* In a transient run, the exit of the previous time step is kept until the pressure is near the
+ * solution. */
 static void the_exit_stays_far_from_the_solution(void **state) {
     (void)state;
     far_away other;
@@ -264,8 +265,8 @@ static void the_exit_stays_far_from_the_solution(void **state) {
 
 // ---- exits at the ends of the band
 
-/* Makes the band end before the exits of a training state, or begin behind them. On odd lines,
- * which may be interpolated, the distance is one node larger. */
+/* Makes the band end before the exits of a training state, or begin behind these exits. On odd
+ * lines, whose exits may be interpolated, the distance is one node larger. */
 static void narrow_band(reduced_model *model, size_t s, ptrdiff_t min, ptrdiff_t max) {
     for (size_t l = 0; l < model->band.num_lines; l++) {
         band_line *band = &model->band.lines[l];
@@ -277,8 +278,8 @@ static void narrow_band(reduced_model *model, size_t s, ptrdiff_t min, ptrdiff_t
     }
 }
 
-/* Solves a trained contact in a narrow band. Without all_lines the exits of odd lines are not
- * searched. */
+/* Solves a trained contact in a narrow band. If `all_lines` is false, the exits of odd lines are
+ * not searched. */
 static void solve_in_narrow_band(const reduced_basis *basis, const ehd_contact *contact,
                                  bool in_time, bool all_lines, size_t s, ptrdiff_t min,
                                  ptrdiff_t max) {
@@ -314,7 +315,9 @@ static void solve_in_narrow_band(const reduced_basis *basis, const ehd_contact *
     reduced_problem_free(&reduced);
 }
 
-/* Exits stop in the last column of the band, whether the flux or the signs move them. */
+/* Exits stop at the last column of the band. This holds in stationary contacts, where the flux
+ * moves the exits, and in transient contacts, where the signs of pressure and multiplier move
+ * them. */
 static void exits_end_where_the_band_does(void **state) {
     (void)state;
     for (size_t s = 0; s < (check_all() ? TRAINED_STATES : 1); s += 6)
@@ -332,8 +335,9 @@ static void exits_end_where_the_band_does(void **state) {
 
 // ---- margins of exits
 
-/* The margin of a line is the smaller of two: its last pressure and its multiplier. If the exit of
- * a line is moved by one node either way, the margin of this line is zero. */
+/* The margin of a grid line is the smaller of two values: its last pressure and its multiplier. If
+ * the exit of a line is moved by one node upstream or downstream, the margin of this line is
+ * zero. */
 static void margins_are_those_of_the_exits(void **state) {
     const size_t num_lines = half_point.set.grid.num_nodes / grid_width(&half_point.set.grid);
     size_t *exits = calloc(num_lines, sizeof *exits), num_small = 0, num_shifted = 0;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Flow factors of a Ree-Eyring fluid, against quadrature of its velocity profile. */
+/* Flow factors of a Ree-Eyring fluid, compared with a numerical integration of its velocity
+ * profile. */
 #include "common/physics/eyring_flow.h"
 #include "tests/unit/check.h"
 
@@ -11,8 +12,9 @@ typedef struct profile {
     double middle, along, across;
 } profile;
 
-/* Integrates over the film by the midpoint rule, at the stress (sum + x z, side + y z). The fluid
- * shears at the rate sinh(stress) in the direction of the stress. There is no sliding across. */
+/* Integrates sliding and flow over the film by the midpoint rule. The stress at z is
+ * (middle[0] + x z, middle[1] + y z). The fluid shears at the rate sinh(stress) in the direction of
+ * the stress. profile_of chooses the stress so that there is no sliding across. */
 enum { SLID, SLID_ACROSS, FLOW, FLOW_ACROSS, NUM_SUMS };
 
 static void integrate(double sums[NUM_SUMS], const double middle[2], double x, double y) {
@@ -27,7 +29,7 @@ static void integrate(double sums[NUM_SUMS], const double middle[2], double x, d
         const double fluidity = stress > 0 ? sinh(stress) / stress : 1;
         sums[SLID] += fluidity * along / PARTS;
         sums[SLID_ACROSS] += fluidity * across / PARTS;
-        // int (u - mean u) dz = -int z du/dz dz, against the gradient
+        // int (u - mean u) dz = -int z du/dz dz; the flow is counted against the gradient
         sums[FLOW] += z * fluidity * along / PARTS;
         sums[FLOW_ACROSS] += z * fluidity * across / PARTS;
     }
@@ -55,7 +57,8 @@ static profile profile_of(double rate, double sigma_x, double sigma_y) {
     return (profile){middle[0], 12 * sums[FLOW] / x, 12 * sums[FLOW_ACROSS] / y};
 }
 
-/* Along the sliding, factor and stress in the middle are exact for any gradient. */
+/* If the gradient is along the sliding, the flow factor and the stress in the middle of the film
+ * are exact for any gradient. */
 static void along_the_sliding_the_factor_is_exact(void **state) {
     (void)state;
     for (double sigma = 0.01; sigma < 30; sigma *= 2)
@@ -103,14 +106,14 @@ static void doubt_is_a_bound(void **state) {
             }
 }
 
-/* Factors lose no digits by cancellation and do not overflow. The reference is their definition in
- * extended precision. */
+/* Factors lose no digits by cancellation and do not overflow. They are compared with the definition
+ * of the factors in extended precision. */
 static void factors_hold_all_digits(void **state) {
     (void)state;
     for (double sigma = 1e-3; sigma < 500; sigma *= 1.07) {
         const long double s = sigma, cosine = coshl(s), sine = sinhl(s);
         const eyring_gradient of = eyring_gradient_of(sigma);
-        // long double has 19 digits; the difference loses Sigma^2/3
+        // long double has 19 digits; cancellation multiplies its relative error by 3/Sigma^2
         const double digits = 3e-15 + 1e-18 / (sigma * sigma);
         check_close(of.at_rest, (double)(3 * (s * cosine - sine) / (s * s * s)), digits, 0);
         check_close(of.sliding, (double)(3 * (s * cosine / sine - 1) / (s * s)), digits, 0);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The full model as a fallback for a reduced solution gives its own solution, from any start. */
+/* If the full model solves as a fallback after the reduced model, it finds the same solution as the
+ * full model alone, from any start. */
 #include "romrun/calibrate/fallback.h"
 #include "tests/unit/check.h"
 #include "tests/unit/folder.h"
@@ -33,7 +34,7 @@ static int tear_down(void **state) {
     return remove_folder(state);
 }
 
-/* A solver of a model, and its solution of a contact. */
+/* A reduced model, its solver, and the solution of a contact. */
 typedef struct solved {
     online_model *model;
     online_solver *solver;
@@ -74,8 +75,8 @@ static void check_solution(const fallback *found, const ehd_contact *contact) {
     problem_free(&expected);
 }
 
-/* Solves with the full model after the reduced one. Checks where the full solution starts, and
- * returns its iterations. */
+/* Solves with the full model after the reduced model. Checks whether the full model starts from the
+ * reduced solution. Returns its number of Newton iterations. */
 static size_t check_fallback(const solved *run, const ehd_contact *contact, size_t repetitions,
                              bool from_reduced) {
     fallback found;
@@ -102,8 +103,8 @@ static void from_a_reduced_solution(void **state) {
     }
 }
 
-/* From a good reduced solution the full model takes two Newton iterations, and as many at each
- * repetition. */
+/* If it starts from a good reduced solution, the full model takes two Newton iterations. Each
+ * repetition takes the same number. */
 static void from_a_good_solution_it_takes_little(void **state) {
     (void)state;
     ehd_contact contact = training.contacts[4];
@@ -130,8 +131,8 @@ static void of_a_point_contact(void **state) {
     solved_free(&run);
 }
 
-/* The full model starts cold if the reduced solution did not converge, or if its pressures exceed
- * the limit of the viscosity law. */
+/* The full model starts cold if the reduced solution did not converge, or if its approach is
+ * not finite. */
 static void it_starts_cold_where_there_is_no_solution_to_start_from(void **state) {
     (void)state;
     ehd_contact contact = training.contacts[4];

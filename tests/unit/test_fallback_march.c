@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Steps by the reduced and the full model in turn. With a mode for every node both models are
- * equal, so a change of the model must not change the result. */
+/* Marches in which the reduced and the full model take steps in turn. With a mode for every node
+ * both models are equal, so a change of the model must not change the result. */
 #include "romrun/calibrate/fallback_march.h"
 #include "tests/unit/marching.h"
 
@@ -30,8 +30,8 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* A march and its results at each step. `both` has the full and the reduced model; NULL: the full
- * model runs alone. */
+/* A march and its results at each step. `both` is the march by full and reduced model; NULL: the
+ * full model runs alone. */
 typedef struct run {
     marching reduced;
     parts_march *parts; // its only part is the march of `reduced`
@@ -45,7 +45,7 @@ typedef struct run {
 } run;
 
 /* Returns a load that leaves the trained range, comes back and leaves the range again. With a phase
- * of pi/2 it starts outside. */
+ * of pi/2 the load starts outside of the range. */
 static double load_at(size_t i, double phase) {
     return 1 + 0.15 * sin(2 * M_PI * (double)i * STEP + phase);
 }
@@ -102,7 +102,7 @@ static void run_free(run *self) {
     marching_free(&self->reduced);
 }
 
-/* Makes the steps `from` … `to`. */
+/* Takes the steps `from` … `to`. */
 static void go_on(run *self, size_t from, size_t to) {
     for (size_t i = from; i <= to; i++) {
         const contact_frame frame = frame_at_step(self, i);
@@ -123,7 +123,7 @@ static size_t count_full(const run *self) {
     return count;
 }
 
-/* Checks that the films of both models in turn equal those of the full model alone. */
+/* Checks that the films of both models in turn equal the films of the full model alone. */
 static void check_turns(const ehd_contact *contact, const reduced_basis *basis, double tolerance) {
     run *both = malloc(sizeof *both), *full = malloc(sizeof *full);
 
@@ -140,8 +140,8 @@ static void check_turns(const ehd_contact *contact, const reduced_basis *basis, 
     assert_true(both->by_full_model[NUM_STEPS]);
     check_close_array(both->film, full->film, NUM_STEPS + 1, tolerance, 0);
     if (contact->transport == TRANSPORT_PATH && contact->kind->dimensions == 1) {
-        // errors along the path: the full model accumulates them, later the reduced model reports
-        // them
+        // the full model accumulates errors along the path; later the reduced model reports these
+        // errors
         check_close(both->effect[36], full->effect[36], 0.15, 0);
         check_close_array(both->effect + 60, full->effect + 60, NUM_STEPS - 59, 0.15, 0);
     }
@@ -188,8 +188,8 @@ static void of_a_point_contact(void **state) {
     reduced_basis_free(&nodes);
 }
 
-/* A march is saved after any step of either model, and restored into another object. It continues
- * with the same bits. */
+/* Saves a march after steps of either model, and restores it into another object. The restored
+ * march continues with the same bits. */
 static void saved_and_restored(void **state) {
     (void)state;
     reduced_basis nodes =
@@ -256,9 +256,9 @@ static void a_start_by_the_full_model(void **state) {
     reduced_basis_free(&nodes);
 }
 
-/* The reduced model takes over when films that its basis cannot represent have left the contact.
- * Twelve modes represent the transient film with errors of 4 to 15 % of the central film. These
- * errors meet the first accuracy and not the second. */
+/* The reduced model takes over only after films that its basis cannot represent have left the
+ * contact. Twelve modes represent the transient film with errors of 4 to 15 % of the central film.
+ * These errors meet the first accuracy of the test, but not the second. */
 static void the_film_has_to_leave_before(void **state) {
     (void)state;
     reduced_basis few;
@@ -297,7 +297,7 @@ static void where_the_reduced_model_does_not_converge(void **state) {
     for (size_t k = 0; k < both->reduced.model.rows.num_rows; k++)
         both->reduced.model.rows.weight[k] = NAN;
     for (size_t i = 4; i <= NUM_STEPS; i++) {
-        // time of all attempts
+        // time of all attempts by the reduced model so far
         const double before = parts_march_effort_of(both->parts).seconds_previous;
         go_on(both, i, i);
         tries += parts_march_effort_of(both->parts).seconds_previous > before;
@@ -305,16 +305,17 @@ static void where_the_reduced_model_does_not_converge(void **state) {
     }
     assert_false(both->by_full_model[3]);
     assert_int_equal(fallback_march_share(both->both).full_steps, NUM_STEPS - 3);
-    // tried after 0, 1, 3, 7, … full steps, if these are in the trained range
+    // the reduced model is tried after 0, 1, 3, 7, … full steps, if these steps are in the trained
+    // range
     assert_in_range(tries, 3, 7);
     run_free(both);
     free(both);
     reduced_basis_free(&nodes);
 }
 
-/* Rejected attempts cost iterations. If these are more than the iterations of all accepted steps,
- * the full model takes the steps. It does so until the accepted steps, its own included, have more
- * iterations again. */
+/* Rejected attempts cost iterations. If they have cost more iterations than all accepted steps, the
+ * full model takes the steps. It does so until the accepted steps, including its own steps, have
+ * more iterations than the rejected attempts again. */
 static void iterations_in_vain_are_limited(void **state) {
     (void)state;
     reduced_basis nodes =
@@ -357,7 +358,7 @@ static void begin_indicating(run *self, reduced_basis *few, double accuracy, fil
 }
 
 /* The error of a reduced step would remain in the film that the full model takes over. The full
- * model therefore makes the steps whose error estimate exceeds a tenth of the accuracy. */
+ * model therefore takes the steps whose error estimate exceeds a tenth of the accuracy. */
 static void steps_are_given_up_before_they_are_wrong(void **state) {
     (void)state;
     for (int i = 0; i < 2; i++) {
@@ -373,8 +374,8 @@ static void steps_are_given_up_before_they_are_wrong(void **state) {
     }
 }
 
-/* The projection of the full model's film onto the modes is part of the error estimate of the next
- * reduced steps. */
+/* When the reduced model takes over, the film of the full model is projected onto its modes. The
+ * change of the film is part of the error estimate of the next reduced steps. */
 static void what_a_return_changes_is_indicated(void **state) {
     (void)state;
     reduced_basis few;

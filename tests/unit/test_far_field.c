@@ -21,7 +21,8 @@ static ehd_contact contact_on(double moes_M, double moes_L, double x_min, double
     return contact;
 }
 
-/* Returns an ellipse with the p_H, R_x, speed and lubricant of a round contact. */
+/* Returns an elliptical contact with the p_H, R_x, speed and lubricant of the round contact that
+ * has the given Moes numbers. */
 static ehd_contact ellipse_on(double ellipticity, double moes_M, double moes_L, double x_min,
                               double x_max, double y_max, double step, const char *boundary) {
     const contact_shape shape = shape_of(ellipticity);
@@ -41,8 +42,8 @@ static double pressure_at(const ehd_contact *contact, double approach, double x,
     return far_field_pressure(contact, approach, x, y).value;
 }
 
-/* Returns the residual d/dX (H^3 dP/dX) + (1/k^2) d/dY (H^3 dP/dY) - lambda dH/dX over lambda
- * |dH/dX|, by differences. */
+/* Returns the residual d/dX (H^3 dP/dX) + (1/k^2) d/dY (H^3 dP/dY) - lambda dH/dX, divided by
+ * lambda |dH/dX|, by finite differences. */
 static double reynolds_at(const ehd_contact *contact, double approach, double x, double y) {
     const double k = contact->grid.shape.ellipticity, d = 0.01 * hypot(x, k * y);
     const double here = pressure_at(contact, approach, x, y);
@@ -60,14 +61,15 @@ static double reynolds_at(const ehd_contact *contact, double approach, double x,
     return (sum / (d * d) / contact->lambda - slope) / fabs(slope);
 }
 
-/* Away from the exit the residual falls with r^-3 or faster; it is c^2/r^4, where c varies. */
+/* Away from the exit the residual falls with r^-3 or faster. It is c^2/r^4 with a coefficient c
+ * that varies. */
 static void solves_the_reynolds_equation(void **state) {
     (void)state;
     const double ellipticities[] = {1, 0.5, 1.5, 3}, directions[] = {0, 0.4, 0.8, 1.2};
     for (size_t e = 0; e < 4; e++) {
         const double k = ellipticities[e];
         const ehd_contact contact = ellipse_on(k, 10, 0, -4, 2, 3, 0.25, "open");
-        // if b is large, the gap at the sides equals that of a circle only farther out
+        // if b is large, the gap at the sides equals the gap of a circle only farther out
         const double far_off = k > 1 ? k : 1;
         for (int approach = -1; approach <= 1; approach++) {
             for (size_t i = 0; i < 4; i++) {
@@ -99,8 +101,8 @@ static void ends_at_the_exit(void **state) {
     check_close(pressure_at(&contact, -0.5, -3, 4), pressure_at(&contact, -0.5, -3, -4), 0, 0);
 }
 
-/* The loads beyond two grids differ by the load between the grids' edges. The derivative is checked
- * by differences. */
+/* Compares the loads beyond two grids. Their difference is the load between the edges of the grids.
+ * Finite differences check the derivative of the load. */
 static void counts_the_load_beyond(void **state) {
     (void)state;
     const double ellipticities[] = {0.5, 3, 1}, approach = -0.4, d = 1e-5;
@@ -112,7 +114,7 @@ static void counts_the_load_beyond(void **state) {
         double between = 0;
 
         one = ellipse_on(k, 10, 0, -4, 2, 3, 0.25, "open");
-        // half a cell beyond the last lines
+        // the cells reach half a cell beyond the last lines
         const double across = grid_step_across(&one.grid);
         const double inside = grid_extent_of(&one.grid).y_max + across / 2;
         const double outside = grid_extent_of(&other.grid).y_max + across / 2;
@@ -140,7 +142,7 @@ static void counts_the_load_beyond(void **state) {
                     (2 * d),
                 1e-6, 0);
 
-    // at this approach the load balance holds, and the slope is that of the balance
+    // at this approach the linear closure equals the load balance and has the same slope
     arena memory = {0};
     far_field prepared;
     far_field_init(&prepared, &one.grid, NULL, one.grid.num_nodes, &memory);
@@ -213,8 +215,8 @@ static contact_scalars films_of(const ehd_contact *contact) {
     return scalars;
 }
 
-/* With a far field, a domain from -4 on is as accurate as one from -16 on. With zero pressure
- * around the grid, the films of both domains differ. */
+/* With a far field, a domain that begins at X = -4 is as accurate as a domain that begins at
+ * X = -16. With zero pressure around the grid, the films of both domains differ. */
 static void short_domains_are_as_good_as_long_ones(void **state) {
     (void)state;
     static const double points[][4] = {{5, 0, 1, 3},     {10, 0, 1, 3},     {10, 5, 1, 3},

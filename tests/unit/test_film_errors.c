@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Errors of films. These errors enter the contact and move through it with the fluid. */
+/* Errors of a transient film. The errors enter at the inlet, and the fluid carries them through the
+ * contact. */
 #include "common/time/film_errors.h"
 #include "tests/unit/check.h"
 
 #include <math.h>
 
-static const double EDGE = -0.85, PATH = 0.05; // where errors enter; path of a step
+static const double EDGE = -0.85, PATH = 0.05; // X where errors enter; path of the fluid in a step
 
 static film_errors errors;
 
@@ -24,8 +25,8 @@ static void go_on(const contact_frame *then, const contact_frame *now, double en
     film_errors_keep(&errors);
 }
 
-/* An error enters while the path grows from 0 to 0.3. The fluid carries it; elsewhere the error is
- * zero. */
+/* An error enters while the path grows from 0 to 0.3. The fluid carries the error along. Elsewhere
+ * in the film the error is zero. */
 static void an_error_goes_with_the_fluid(void **state) {
     (void)state;
     const double last = 0.3, smooth = 0.06; // `smooth`: splines smooth the ends of the error
@@ -34,7 +35,7 @@ static void an_error_goes_with_the_fluid(void **state) {
     for (int i = 1; i <= 80; i++) {
         const contact_frame then = frame_after((i - 1) * PATH, 1), now = frame_after(i * PATH, 1);
         go_on(&then, &now, i * PATH < last + 1e-9 ? 1 : 0);
-        // end and front of the error after it has left the inlet
+        // front and end of the film with the error
         const double front = EDGE + i * PATH, end = fmax(front - last, EDGE);
         for (double x = EDGE + smooth; x <= 1; x += 0.01) {
             const double found = film_errors_at(&errors, x);

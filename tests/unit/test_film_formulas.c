@@ -30,7 +30,7 @@ static double film_of(const char *name, const ehd_contact *contact) {
 static const double LOAD = 300e3, BALL_LOAD = 50, RADIUS = 0.0125, SPEED = 0.8, VISCOSITY = 0.08,
                     ALPHA = 2e-8, ELLIPTICITY = 3; // alpha as in sample_scene
 
-/* Returns a contact of this kind, with the modulus in Pa. */
+/* Returns a steel contact of this kind. `modulus` is in Pa. */
 static ehd_contact steel(const char *kind, double load, double modulus) {
     scene given = sample_scene("barus", "incompressible", NAN, NAN);
     ehd_contact contact;
@@ -58,7 +58,7 @@ static ehd_contact ball(double modulus) {
     return steel("point", BALL_LOAD, modulus);
 }
 
-/* Returns the contact with its Moes numbers and no modulus. */
+/* Returns the contact with its Moes numbers but without a known modulus. */
 static ehd_contact without_modulus(const ehd_contact *contact) {
     ehd_contact bare = *contact;
 
@@ -130,8 +130,8 @@ static void films_of_a_ball(void **unused) {
                 scale * film_of("nijenbanning", &contact) / (RADIUS * sqrt(2 * u)), 1e-12, 0);
 }
 
-/* Without a known modulus, that of steel is used. The modulus matters only in the formulas of Pan,
- * Hamrock and Dowson, and Chittenden et al. */
+/* If the modulus is not known, the formulas use the modulus of steel. The modulus matters only in
+ * the formulas of Pan, Hamrock and Dowson, and Chittenden et al. */
 static void the_modulus_hardly_matters(void **unused) {
     const ehd_contact known_steel[] = {roller(226e9), ball(226e9)};
     const ehd_contact soft[] = {roller(180e9), ball(180e9)};
@@ -150,7 +150,7 @@ static void the_modulus_hardly_matters(void **unused) {
     }
 }
 
-/* A given Hertz pressure acts like another alpha. */
+/* A given Hertz pressure changes the film like another alpha. */
 static void the_hertz_pressure_wins(void **unused) {
     ehd_contact contact = sample_contact("barus", "incompressible", 20, 8, 0.02), given = contact;
     (void)unused;
@@ -170,8 +170,8 @@ static double moes_units(double moes_M, double moes_L) {
 }
 
 static void moes_goes_to_its_asymptotes(void **unused) {
-    // rigid isoviscous: Martin's h0/R = 4.896 U/W with the mean velocity. At the pressure maximum
-    // the film is as thick as where the pressure ends, x = 0.4754 sqrt(2 R h0)
+    // rigid isoviscous: Martin's h0/R = 4.896 U/W with the mean velocity. The film at the pressure
+    // maximum is as thick as the film at the end of the pressure, x = 0.4754 sqrt(2 R h0)
     const double martin = 4.896 / 2 * (1 + 0.4754 * 0.4754);
     (void)unused;
 
@@ -193,9 +193,9 @@ static void isoviscous_contact(void **unused) {
 
 // ---- ellipses
 
-/* Returns the numbers of a steel ellipse with the b/a of the dry contact, by Hertz. A and B are the
- * integrals over t from 0 of [(1+t)^(3/2) (k^2+t)^(1/2) t^(1/2)]^-1 and [(1+t)^(1/2) (k^2+t)^(3/2)
- * t^(1/2)]^-1. Then R_y/R_x = A/B, and a^3 is 2A/pi times that of the circle. */
+/* Returns the film numbers of a steel ellipse with the ratio b/a of the dry contact of Hertz. A and
+ * B are the integrals over t from 0 of [(1+t)^(3/2) (k^2+t)^(1/2) t^(1/2)]^-1 and [(1+t)^(1/2)
+ * (k^2+t)^(3/2) t^(1/2)]^-1. Then R_y/R_x = A/B, and a^3 is 2A/pi times the a^3 of the circle. */
 static film_numbers ellipse(double ellipticity, double moes_M, double moes_L) {
     const double k2 = ellipticity * ellipticity, modulus = 226e9;
     const double along = 2. / 3 * gsl_sf_ellint_RD(0, k2, 1, GSL_PREC_DOUBLE);
@@ -281,7 +281,7 @@ static void films_of_an_ellipse(void **unused) {
                 3.68 * minimum * (1 - exp(-0.67 * x)), 1e-12, 0);
     check_close(scale * film_of_numbers("nijenbanning", &n),
                 film_nijenbanning_ellipse(200, 10, n.radius_ratio) * sqrt(2 * n.speed), 1e-12, 0);
-    // the ellipticity by the formula of Hamrock and Dowson for these radii
+    // the formula of Hamrock and Dowson gives about the same ellipticity for these radii
     check_close(1.03 * pow(n.radius_ratio, 0.64), 3, 0.01, 0);
 }
 
@@ -293,7 +293,8 @@ static void slender_ellipses_are_lines(void **unused) {
     for (double moes_M = 200; moes_M < 2000; moes_M *= 5)
         for (double k = 4; k < 50; k *= 1.5) {
             const film_numbers n = ellipse(k, moes_M, 10);
-            // p_H = 3w/(2 pi a b); a line has p_H = E' a/(4 R) with its own a
+            // p_H = 3w/(2 pi a b); a line contact has p_H = E' a/(4 R), where a is its own half
+            // width
             const double ratio = 3 * n.load / (2 * M_PI * k * n.half_width * n.half_width);
             const double line_load = 2 * M_PI * ratio * ratio;
             const double line_M = line_load / sqrt(2 * n.speed);
@@ -339,9 +340,10 @@ static void fits_agree(void **unused) {
         }
 }
 
-/* Compares with quotations: the central film of Chittenden et al. by Zhou and Hoeprich (J.
- * Tribology 113, 1991, eq. 31) with 4.30 and 1.28 b/a, and the minimum film of Hamrock and Dowson
- * by Aihara (J. Tribology 109, 1987, eq. 17) with their approximation of b/a. */
+/* Compares the formulas as other authors quote them. Zhou and Hoeprich (J. Tribology 113, 1991,
+ * eq. 31) quote the central film of Chittenden et al. with 4.30 and 1.28 b/a. Aihara (J. Tribology
+ * 109, 1987, eq. 17) quotes the minimum film of Hamrock and Dowson with their approximation of
+ * b/a. */
 static void films_as_they_are_quoted(void **unused) {
     (void)unused;
 
@@ -357,8 +359,8 @@ static void films_as_they_are_quoted(void **unused) {
     }
 }
 
-/* Slender ellipses have no side leakage. The powers of U, G and W remain, with equal exponents in
- * both minimum films. */
+/* Slender ellipses have no side leakage. Only the powers of U, G and W remain in the formulas. Both
+ * minimum films have equal exponents. */
 static void nothing_leaks_from_slender_ellipses(void **unused) {
     const film_numbers n = ellipse(60, 200, 10);
     const double scale = n.half_width * n.half_width;

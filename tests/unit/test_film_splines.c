@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Compares earlier films of the reduced model with those of the full model. Splines of GSL and
- * direct sums carry the films of the full model. */
+/* Compares films of previous time steps, in the current frame, between the reduced and the full
+ * model. The films of the full model are computed with previous_mass (line contacts), or with
+ * splines of GSL and direct sums (point contacts). */
 #include "common/physics/deflection.h"
 #include "fullrun/previous.h"
 #include "romrun/state/film_splines.h"
@@ -12,7 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// number of a training state. Its exit differs from the one at which the modes' splines are cut
+// index of a training state whose exit differs from the exit at which the splines of the modes are
+// cut off
 enum { STATE = 7 };
 
 static trained training;
@@ -21,8 +23,8 @@ static ehd_error error;
 #define check_ok(call)                                                                             \
     if (call) fail_msg("%s", error.text)
 
-/* Fills the same state of the full model: pressure from the modes up to the exit, film by its
- * definition. */
+/* Fills the state of the full model that equals the reduced state. The modes give the pressure up
+ * to the exit. The film is computed from its definition. */
 static void fill_full(previous_state *full, previous_carrier *carrier, const previous_film *reduced,
                       const reduced_basis *basis, const ehd_contact *reference) {
     const ehd_grid *grid = &basis->grid;
@@ -56,7 +58,8 @@ static contact_frame frame_under(double load, double radius, double time) {
     return frame_at(&contact_line, time, (double[]){load, 1, radius, 1}, NAN);
 }
 
-/* Compares both films at all nodes of the frame `now` whose places lie behind `from`. */
+/* Compares the films of both models at all nodes of the frame `now` whose places in the earlier
+ * frame lie behind `from`. */
 static void compare(const reduced_basis *basis, const ehd_contact *reference,
                     const contact_frame *now, double from, double tolerance) {
     const ehd_grid *grid = &basis->grid;
@@ -82,12 +85,12 @@ static void compare(const reduced_basis *basis, const ehd_contact *reference,
     fill_full(&full, &carrier, &film, basis, reference);
     previous_mass(expected, &full, now, &carrier);
     for (size_t k = 1; k <= grid->num_inner; k++) {
-        // three identical states, and the state alone
+        // three identical states must give the same masses as the state alone
         const previous_film *films[] = {&film, &film, &film};
         double mass[3], alone;
         double place = frame_stretch(now, &then) * grid_x(grid, k);
         if (place < from) continue;
-        if (place > 2) break; // the other end of the grid, behind every exit
+        if (place > 2) break; // the downstream end of the grid, behind every exit
         previous_film_masses(mass, films, 3, k, now, &model, &splines, reference);
         previous_film_masses(&alone, films, 1, k, now, &model, &splines, reference);
         check_close(mass[0], expected[k - 1], tolerance, 0);
@@ -119,8 +122,8 @@ static void films_equal_those_of_the_full_model(void **unused) {
     }
 }
 
-/* In a wider frame the grid starts farther upstream. There the film also needs the deflection, both
- * where it is stored and beyond. */
+/* In a wider frame the grid starts farther upstream. There the film needs the deflection before the
+ * earlier grid, both where the deflection is stored and farther upstream. */
 static void films_go_on_before_the_grid(void **unused) {
     (void)unused;
     reduced_basis basis;
@@ -150,12 +153,13 @@ static void coarse_grids_have_splines_too(void **unused) {
 
 enum {
     MARGIN = 14
-}; // nodes of the tests' fields beyond the grid, so that the ends of splines do not matter
+}; // nodes beyond the grid in the fields of the tests, so that the ends of splines do not matter
 
 static trained half_training;
 static reduced_basis half_basis, whole_basis; // both with the same modes
 
-/* A model with a state, whose exit line may differ from that of the training. */
+/* A model with a state. The exit line of the state may differ from the exit line of the training
+ * state. */
 typedef struct point_film {
     const reduced_basis *basis;
     ehd_contact reference;
@@ -270,8 +274,8 @@ static double plane_at(const plane *self, double x, double y) {
     return value;
 }
 
-/* Adds the pressure of the state at the nodes of the grid, from the modes, cut at the exit line or
- * not. */
+/* Adds the pressure of the state at the nodes of the grid, computed from the modes. If `cut`, the
+ * pressure is zero behind the exit line. */
 static void fill_pressure(plane *self, const point_film *of, bool cut) {
     const ehd_grid *grid = &of->basis->grid;
     size_t num = of->basis->num_pressure, width = grid_width(grid), middle = self->lines / 2;
@@ -312,8 +316,8 @@ static void fill_deflection(plane *self, const plane *pressure, const point_film
     free(kernel);
 }
 
-/* Checks whether a place lies before the exit line, which is straight from line to line and
- * constant beyond the outermost lines. */
+/* Checks whether a place lies before the exit line. The exit line is straight between grid lines,
+ * and constant beyond the outermost lines. */
 static bool is_before_exit(const point_film *self, double x, double y) {
     const ehd_grid *grid = &self->basis->grid;
     double line = (y - grid_y(grid, 0)) / grid->step;
@@ -326,8 +330,9 @@ static bool is_before_exit(const point_film *self, double x, double y) {
     return x < grid_x(grid, 0) + grid->step * ((1 - part) * exit + part * next) - 1e-9;
 }
 
-/* Compares with tensor splines at the nodes of the frame `now`, away from the ends of the model's
- * splines. With the farthest exits the pressure reaches these ends. */
+/* Compares the masses with tensor-product splines at the nodes of the frame `now`. Places near the
+ * downstream ends of the model's splines are left out, because with the farthest exits the pressure
+ * reaches these ends. */
 static void compare_point(const point_film *self, const contact_frame *now, double tolerance,
                           double at_ends) {
     const ehd_grid *grid = &self->basis->grid;
@@ -365,7 +370,7 @@ static void compare_point(const point_film *self, const contact_frame *now, doub
 
 static void films_of_point_contacts_equal_tensor_splines(void **unused) {
     (void)unused;
-    for (int i = 0; i < 3; i++) { // half grid with either exit line, whole grid
+    for (int i = 0; i < 3; i++) { // half grid with each exit line, whole grid
         point_film self;
         point_film_init(&self, i < 2 ? &half_basis : &whole_basis, i == 0);
         assert_true(self.film.num_cut > (i == 0 ? 0 : self.model.band.num_lines / 2));
@@ -382,8 +387,8 @@ static void films_of_point_contacts_equal_tensor_splines(void **unused) {
     }
 }
 
-/* In an unchanged frame the values are those at the nodes. This also holds for the next state in
- * the same memory. */
+/* If the frame does not change, the carried values equal the values at the nodes. This must also
+ * hold for the next state that is stored in the same memory. */
 static void a_frame_that_stands_still_gives_the_nodes(void **unused) {
     (void)unused;
     point_film self;
@@ -435,10 +440,11 @@ static void films_of_the_half_are_those_of_the_whole(void **unused) {
     point_film_free(&whole);
 }
 
-/* Linear modes of an independent basis continue linearly, before the grid and at its sides. */
+/* Linear modes of an independent basis continue linearly beyond the grid, upstream and at the
+ * sides. */
 static void straight_modes_go_on_straight(void **unused) {
     (void)unused;
-    for (int i = 0; i < 2; i++) { // the half grid, and the whole one with a slope across
+    for (int i = 0; i < 2; i++) { // the half grid, and the whole grid with a slope across
         reduced_basis basis = i == 0 ? half_basis : whole_basis;
         const double lean = i == 0 ? 0 : -0.05, approach = 0.1;
         const contact_frame frames[] = {point_frame(0.9, 1), point_frame(2, 1), point_frame(4, 1)};

@@ -62,14 +62,15 @@ static void compare_frames(const contact_kind *kind) {
     }
 }
 
-/* A frame with constant values is the stationary contact of its load, speed, radius and modulus. */
+/* With constant values, a frame gives the stationary contact of its load, speed, radius and
+ * modulus. */
 static void frame_is_the_contact_of_its_values(void **state) {
     (void)state;
     compare_frames(&contact_line);
     compare_frames(&contact_point);
 }
 
-/* At rest M would be infinite and is limited; everything stays finite. */
+/* At rest M would be infinite, so it is limited. All values of the contact stay finite. */
 static void frame_at_rest_is_finite(void **state) {
     (void)state;
     ehd_contact reference = physical_contact(&contact_line, (double[]){1, 1, 1, 1}), contact;
@@ -80,8 +81,8 @@ static void frame_at_rest_is_finite(void **state) {
     assert_true(isfinite(contact.moes_L) && contact.lambda > 0);
 }
 
-/* Returns the film at a place of the reference frame, from formulas without frames. The half width
- * and Hertz pressure of the reference are the units. */
+/* Returns the film at a place of the reference frame, by formulas that do not use frames. The half
+ * width and the Hertz pressure of the reference are the units. */
 static double film_by_hand(double x, const double *place, const double *pressure, size_t count,
                            double step, const double *factor, double approach) {
     double film = approach + x * x / (2 * factor[2]);
@@ -92,8 +93,9 @@ static double film_by_hand(double x, const double *place, const double *pressure
     return film;
 }
 
-/* Film, pressure, places, approach and load of a state are physical quantities, whether computed in
- * its frame or in the reference. This tests the scales and the constant of the kernel. */
+/* Film, pressure, places, approach and load of a state are the same physical quantities, whether
+ * they are computed in its frame or in the reference frame. This tests the scales and the constant
+ * of the kernel. */
 static void scalars_of_a_frame_are_physical(void **state) {
     (void)state;
     enum { COUNT = 81 };
@@ -103,7 +105,7 @@ static void scalars_of_a_frame_are_physical(void **state) {
         double a = sqrt(factors[i][0] * factors[i][2] / factors[i][3]), step = 0.03;
         double hertz = sqrt(factors[i][0] * factors[i][3] / factors[i][2]);
         double place[COUNT], pressure[COUNT], own = -0.7, sum = 0;
-        for (size_t k = 0; k < COUNT; k++) { // any pressure, in the frame
+        for (size_t k = 0; k < COUNT; k++) { // an arbitrary pressure in the frame
             place[k] = step * ((double)k - 30);
             pressure[k] = fmax(1 - 0.5 * place[k] * place[k] + 0.2 * sin(3 * place[k]), 0);
             sum += pressure[k] * step;
@@ -150,7 +152,7 @@ static void approach_of_dry_contacts(void **state) {
     }
 }
 
-/* The closure by an approach prescribes the approach that frame_to_reference reports. */
+/* If the approach is given, the closure prescribes the approach that frame_to_reference reports. */
 static void approach_closure_is_the_reported_approach(void **state) {
     (void)state;
     ehd_contact reference = physical_contact(&contact_line, (double[]){1, 1, 1, 1}), contact;
@@ -171,8 +173,8 @@ static void approach_closure_is_the_reported_approach(void **state) {
     }
 }
 
-/* Forces, moment, power and stresses of a state in its frame equal those of a contact with the same
- * values, in SI units. */
+/* Forces, moment, power and stresses of a state in its frame equal, in SI units, the values of a
+ * stationary contact with the same load, speed, radius and modulus. */
 static void traction_of_a_frame_is_physical(void **state) {
     (void)state;
     const contact_kind *const kinds[] = {&contact_line, &contact_point};

@@ -35,8 +35,8 @@ static marched first, second, third;
 
 // ---- constant histories
 
-/* With constant histories the stationary solution does not change, also in a frame other than the
- * reference. */
+/* With constant histories the solution remains the stationary solution, also in a frame other than
+ * the reference. */
 static void constant_histories_stay_stationary(void **state) {
     static const char *const transients[] = {
         "end_time: 1e4, tolerance: 1e-4", "end_time: 20, fixed_step: 0.5",
@@ -67,7 +67,8 @@ static void constant_histories_stay_stationary(void **state) {
 }
 
 /* Compares the start with the stationary contact of 1.3 times the load at 0.6 times the speed.
- * `moes_M`, `moes_L` and `width` are the numbers and the half width of that contact. */
+ * `moes_M`, `moes_L` and `width` are the Moes numbers and the half width of this stationary
+ * contact. */
 static void compare_start(const scene *of, double moes_M, double moes_L, double width) {
     scene physical = *of;
     full_settings settings = full_default_settings();
@@ -101,8 +102,9 @@ static void compare_start(const scene *of, double moes_M, double moes_L, double 
     marched_end(&first);
 }
 
-/* The start in any frame is the stationary contact of its values. M is proportional to the load
- * over the speed to the power 1/2 (line) or 3/4 (point); L depends on the speed alone. */
+/* The start in any frame is the stationary contact with the load, speed, radius and modulus of this
+ * frame. M is proportional to the load, and inversely proportional to the speed to the power 1/2
+ * (line) or 3/4 (point). L depends only on the speed. */
 static void start_is_the_stationary_contact(void **state) {
     (void)state;
     const scene line = marched_scene(20, 6, "dowson-higginson", 0.05, "end_time: 1, fixed_step: 1");
@@ -125,9 +127,9 @@ static double film_difference(const marched *coarse, const marched *fine) {
     return largest;
 }
 
-/* Checks the order of the error for these steps, their halves and quarters. The accurate
- * discretisation has steeper films, so its order shows with shorter steps only: with 0.02 the order
- * on the line is 1.56. */
+/* Checks the order of the error from runs with time steps of `longest`, half of it and a quarter of
+ * it. The accurate discretisation has steeper films, so its order appears only with shorter steps.
+ * With steps of 0.02 its order on a line contact is 1.56. */
 static void check_order(scene (*scene_of)(const char *), const char *law, double longest,
                         const char *discretization) {
     marched *const runs[] = {&first, &second, &third};
@@ -170,9 +172,9 @@ static void fixed_steps_are_of_second_order(void **state) {
     }
 }
 
-/* Checks the error of the film under error control, including the error at a kink after long
- * steps. On this coarse grid the accurate discretisation has up to twice the error of the
- * published one. */
+/* Checks the error of the film under error control, including the error at a kink after long steps.
+ * On this coarse grid the error of the accurate discretisation is up to twice the error of the
+ * published discretisation. */
 static void tolerance_holds(void **state) {
     static const struct {
         const char *law;
@@ -207,8 +209,9 @@ static void tolerance_holds(void **state) {
     }
 }
 
-/* With transport along the path, the film follows a slowly changing load. So steps longer than the
- * way of the film through the contact are as accurate as the tolerance requires. */
+/* With transport along the path, the film follows a slowly changing load. A step may therefore be
+ * longer than the time in which the film passes through the contact. Such a step is still as
+ * accurate as the tolerance requires. */
 static void a_slow_ramp_along_the_path_ends_at_rest(void **state) {
     static const char transient[] =
         "end_time: 60, load: {law: ramp, from: 1, to: 1.08, start: 0.5, duration: 40}";
@@ -225,8 +228,8 @@ static void a_slow_ramp_along_the_path_ends_at_rest(void **state) {
     marched_end(&second);
 }
 
-/* While the film follows the load, the exit between two nodes agrees with the exit on a grid with a
- * quarter of the step. */
+/* While the film follows the load, the exit lies between two nodes. Its position agrees with the
+ * exit position on a grid with a quarter of the grid step. */
 static void the_exit_lies_within_its_node(void **state) {
     static const char transient[] =
         "end_time: 2, fixed_step: 0.02, load: {law: sine, amplitude: 0.1, period: 1}";
@@ -275,8 +278,8 @@ static void keep_mass(error_check *self, const march_step *step) {
     self->num_states++;
 }
 
-/* Compares the local error with its formula. Only the speed varies, so nodes of all states are at
- * the same places. */
+/* Compares the local error with its formula. Only the speed varies, so the nodes of all states are
+ * at the same physical places. */
 static ehd_status check_local_error(void *sink, const march_step *step, size_t index,
                                     ehd_error *ignored) {
     error_check *self = sink;
@@ -305,9 +308,10 @@ static ehd_status check_local_error(void *sink, const march_step *step, size_t i
     return EHD_OK;
 }
 
-/* The local error is the largest one up to a tenth of a half width before the exit. Errors nearer
- * to the exit are left out: the exit moves by whole nodes, which causes noise. The speed
- * oscillates, so that the exit moves and disturbances of the film travel to it. */
+/* The local error is the largest error at nodes more than a tenth of a half width before the exit.
+ * Errors nearer to the exit are left out, because the exit moves by whole nodes, which causes
+ * noise. The speed oscillates, so that the exit moves and disturbances of the film travel to the
+ * exit. */
 static void local_error_is_that_before_the_exit(void **state) {
     (void)state;
     static error_check check;
@@ -346,9 +350,9 @@ static void sine_leads_to_a_periodic_state(void **state) {
     marched_end(&first);
 }
 
-/* After all changes the contact is the stationary one of the last values. With upwind transport the
- * only difference is round-off. With transport along the path there are also the errors of
- * transport and filter. */
+/* After all changes the contact is the stationary contact of the last values. With upwind transport
+ * only round-off remains. With transport along the path the errors of transport and filter remain
+ * as well. */
 static void ramps_end_in_the_stationary_contact(void **state) {
     static const char ramps[] = "load: {law: ramp, from: 1.4, to: 0.8, start: 0.5, duration: 1}, "
                                 "speed: {law: ramp, from: 0.7, to: 1.2, start: 0.1, duration: 2}, "
@@ -393,7 +397,8 @@ static void run_measured(marched *self, const char *transient) {
     marched_all(self, &of);
 }
 
-/* The approach that results from a load is given as a table. It leads to the same load. */
+/* A table gives the approach that resulted from a load. This approach must lead to the same
+ * load. */
 static void approach_gives_the_load_back(void **state) {
     static const char name[] = "approach.csv";
     (void)state;
@@ -417,7 +422,8 @@ static void approach_gives_the_load_back(void **state) {
         marched_all(&second, &of);
         assert_int_equal(second.count, first.count);
         for (size_t k = 0; k < first.count; k++) {
-            // the frames' loads differ slightly, and so do the physical places of the nodes
+            // the loads that scale the frames differ slightly, and so do the physical places of the
+            // nodes
             check_close(second.load[k], first.load[k], 1e-4, 0);
             check_close(second.film[k], first.film[k], 1e-4, 0);
             check_close(second.approach[k], first.approach[k], 1e-9, 1e-9);
@@ -615,7 +621,8 @@ static void bad_saves_are_refused(void **state) {
     marched_end(&first);
 }
 
-/* Checks that a repeated step has the same bits, also after a step of another length and frame. */
+/* Checks that a repeated step has the same bits, also after an attempt with another length and
+ * frame. */
 static void repeat_attempts(const scene *of) {
     marched_begin(&first, of);
     first.stop_at = 10;
@@ -638,7 +645,7 @@ static void repeat_attempts(const scene *of) {
     check_close(one.local_error, again.local_error, 0, 0);
     assert_int_equal(one.iterations, again.iterations);
     assert_false(one.scalars.central_film_thickness == other.scalars.central_film_thickness);
-    // after a restart there are no states before the last one to estimate the error from
+    // after a restart, no states before the last state are left to estimate the error from
     assert_true(one.local_error > 0);
     solver->restart(solver->self);
     assert_int_equal(solver->attempt(&again, solver->self, &near, step, &error), EHD_OK);
@@ -660,9 +667,9 @@ static double dent(double x) {
     return -2e-3 * exp(-pow((x + 0.5) / 0.12, 2));
 }
 
-/* Adds a dent to the film of the only accepted state. The saved data begin with the errors along
- * the path. With transport along the path, the base state and its time limit come before the
- * states. */
+/* Adds a dent to the film of the only accepted state, by changing the saved data of the march.
+ * These data begin with the errors along the path. With transport along the path, the base state
+ * and its time limit come before the states. */
 static void add_dent(march_solver *solver, const ehd_grid *grid, bool path,
                      double (*of)(double x)) {
     const size_t size = solver->saved_size(solver->self), errors = grid->num_nodes;
@@ -697,8 +704,8 @@ static void carry_dent(double *left, double (*of)(double x), const char *transpo
     }
 }
 
-/* With transport along the path a dent passes unchanged, although the speed rises; the expected
- * film is the shifted dent. Upwind transport smears the dent. */
+/* With transport along the path a dent passes through the contact unchanged, although the speed
+ * rises. The expected film is the shifted dent. Upwind transport smears the dent. */
 static void a_dent_passes_unchanged(void **state) {
     static const char transient[] = "end_time: 0.64, fixed_step: 0.02, "
                                     "speed: {law: ramp, from: 1, to: 1.5, duration: 0.64}";
@@ -747,8 +754,8 @@ static double ripple(double x) {
     return 1e-5 * cos(M_PI_2 * round(x / 0.01)) * exp(-pow((x + 0.5) / 0.12, 2));
 }
 
-/* The filter damps waves that the grid can hardly represent. Without the filter nothing damps
- * them. */
+/* The filter damps waves that the grid can hardly represent. Without the filter these waves are not
+ * damped. */
 static void a_ripple_is_damped(void **state) {
     static double left[603];
     (void)state;
@@ -763,8 +770,8 @@ static void a_ripple_is_damped(void **state) {
 
 /* A load step traps a pocket of lubricant three times as thick as the film. The pocket passes the
  * centre. With time steps of 0.0025 and half of the grid step, the film of the pocket is 0.092 to
- * 0.095 for both kinds of transport. A solution with a ruptured inlet, which Newton passes on the
- * way, would leave 0.055. */
+ * 0.095 for both kinds of transport. During the iteration, Newton's method passes a solution with a
+ * ruptured inlet. If the iteration stayed there, the film would be 0.055. */
 static void a_trapped_pocket_passes(void **state) {
     double most = 0;
     (void)state;
@@ -778,8 +785,8 @@ static void a_trapped_pocket_passes(void **state) {
     check_close(most, 0.0935, 0.05, 0);
 }
 
-/* Runs with fixed steps equal to the grid step: with upwind transport in the published
- * discretisation, or with transport along the path and no filter. */
+/* Runs a march with fixed time steps equal to the grid step. The transport is either upwind in the
+ * published discretisation, or along the path without a filter. */
 static void run_to_two(marched *run, bool path, double step) {
     char transient[128];
     snprintf(transient, sizeof transient,
@@ -801,8 +808,8 @@ static double film_at(const marched *run, const double *films, double time) {
 }
 
 /* Films with transport along the path agree with upwind films in the published discretisation. The
- * upwind films have second order and are extrapolated in step and grid; without extrapolation they
- * differ much more. */
+ * upwind films have second order and are extrapolated to a time step and grid step of zero. Without
+ * extrapolation they differ much more. */
 static void both_ways_of_carrying_lead_to_one(void **state) {
     const double step = 0.0125;
     double off[2] = {0}, of_rows = 0;
@@ -830,8 +837,8 @@ static void both_ways_of_carrying_lead_to_one(void **state) {
 
 // ---- effect of the time steps on the films
 
-/* Returns the root mean square over the second half of a run, when the films of the start have left
- * the contact. */
+/* Returns the root mean square over the second half of a run, in which the films of the start have
+ * left the contact. */
 static double mean_of(const double *values, size_t count) {
     double sum = 0;
 
@@ -840,8 +847,9 @@ static double mean_of(const double *values, size_t count) {
     return sqrt(sum);
 }
 
-/* Returns the part of a film's change that `effect` does not predict. The change is from `film`, of
- * the run `first`, to `better`, of the run `second`, with steps a quarter as long and no filter. */
+/* Returns the fraction of a film's change that `effect` does not predict. `film` belongs to the run
+ * `first`. `better` belongs to the run `second`, whose steps are a quarter as long and which has no
+ * filter. The change is the difference between these films. */
 static double left_of_change(const double *film, const double *better, const double *effect) {
     static double change[MARCHED_STEPS], rest[MARCHED_STEPS];
 
@@ -854,9 +862,9 @@ static double left_of_change(const double *film, const double *better, const dou
     return mean_of(rest, first.count) / mean_of(change, first.count);
 }
 
-/* Checks the effects with upwind transport and with transport along the path, including the effect
- * of the filter. The minimum film of a point contact hardly changes, and its effect is
- * overestimated. */
+/* Checks the estimated effects on the films with upwind transport and with transport along the
+ * path, including the effect of the filter. The minimum film of a point contact hardly changes, and
+ * its effect is overestimated. */
 static void effects_are_those_of_shorter_steps(void **state) {
     static const char history[] = "load: {law: sine, amplitude: 0.1, period: 1}";
     char of_line[128], of_point[128];
@@ -885,7 +893,7 @@ static void effects_are_those_of_shorter_steps(void **state) {
 
 // ---- steps of any lengths
 
-/* Returns the film after a step of the march; accepts the step if wanted. */
+/* Returns the film after a step of the march. Accepts the step if `accepted`. */
 static double film_of_step(marched *self, double time, double step, bool accepted) {
     march *run = &self->march;
     const contact_frame frame =

@@ -64,7 +64,8 @@ static double by_node(const double *by, const reynolds_stencil *stencil, size_t 
     return sum;
 }
 
-/* Checks all derivatives of the rows by `values`, which are the film or the pressure. */
+/* Checks all derivatives of the rows with respect to `values`, which are the film or the
+ * pressure. */
 static void check_derivatives(patch *self, double *values, bool of_film) {
     const ehd_grid *grid = &self->contact.grid;
     double *up = allocate(2 * grid->num_inner, sizeof *up), *down = up + grid->num_inner;
@@ -119,7 +120,7 @@ static void row_derivatives(void **state) {
     }
 }
 
-/* If pressure and gap do not vary across, the rows on each grid line are those of a line
+/* If pressure and gap do not vary across, the rows on each grid line equal the rows of a line
  * contact. */
 static void rows_without_variation_across_are_the_line_s(void **state) {
     (void)state;
@@ -157,12 +158,14 @@ static void rows_without_variation_across_are_the_line_s(void **state) {
     }
 }
 
-/* Returns the residual of an exact isoviscous solution, with nodes `step` apart. Lubricant flows
- * across too, through a film that varies exponentially along or across. With P = lambda u,
+/* Returns the residual of a row for an exact isoviscous solution, with nodes `step` apart. The
+ * lubricant also flows across, and the film varies exponentially along or across. With
+ * P = lambda u,
  *
- *     H^3 = e^(g x), u = U int H^-2 dx + e^(b x) cos(rate y):  (H^3 u_x)_x - U H_x = (rate/k)^2 H^3 u_1
+ *     H^3 = e^(g x), u = U int H^-2 dx + e^(b x) cos(rate y):
+ *     (H^3 u_x)_x - U H_x = (rate/k)^2 H^3 u_1
  *
- * for the second term u_1, where b (b + g) = (rate/k)^2. For a film that varies across, the
+ * for the second term u_1 of u, where b (b + g) = (rate/k)^2. For a film that varies across, the
  * directions are exchanged and nothing is entrained. */
 static double residual_of_solution(ehd_discretization discretization, double k, double step,
                                    bool film_across) {
@@ -285,8 +288,8 @@ static void half_equals_whole(void **state) {
     }
 }
 
-/* Checks a solution: f = 0 and P >= 0 under pressure, else P = 0 and Lambda = -f >= 0; a positive
- * film; the load. */
+/* Checks the conditions of a solution. Nodes with pressure have f = 0 and P >= 0. All other nodes
+ * have P = 0 and Lambda = -f >= 0. The film is positive, and the load is correct. */
 static void check_solution(const ehd_contact *contact) {
     const full_settings settings = full_default_settings();
     const ehd_grid *grid = &contact->grid;
@@ -317,7 +320,7 @@ static void check_solution(const ehd_contact *contact) {
     check_close(sum * grid->step * grid->step + beyond, 2 * M_PI / 3, 1e-9, 0);
     assert_true(solved.info.complementarity <= 1e-9);
     assert_false(full_is_cut(&solved.state, grid, false));
-    // a large grid takes 7 to 12 for each Newton iteration
+    // a large grid takes 7 to 12 GMRES iterations for each Newton iteration
     assert_true(solved.info.gmres_iterations <= 15 * solved.info.newton_iterations);
     problem_free(&solved);
     free(rows);
@@ -340,14 +343,14 @@ static void large_grids_satisfy_the_problem(void **state) {
         assert_true(full_is_large(&contact.grid));
         check_solution(&contact);
     }
-    // the usual grids of trainings and studies are small and use the factors, so their bits stay
-    // the same
+    // the usual grids of trainings and studies are small and use the factors, so that their results
+    // keep the same bits
     const ehd_contact usual = sample_point("barus", "incompressible", 20, 10, 128, true);
     assert_false(full_is_large(&usual.grid));
 }
 
-/* Compares with the converged digits of Venner and Lubrecht's multigrid program, in Moes units
- * (bench_point.c). */
+/* Compares the films with the results of Venner and Lubrecht's multigrid program, whose digits are
+ * converged, in Moes units (bench_point.c). */
 static void digits_of_the_multigrid_program(void **state) {
     (void)state;
     const ehd_contact contact =
@@ -363,10 +366,11 @@ static void digits_of_the_multigrid_program(void **state) {
     problem_free(&solved);
 }
 
-/* The start from coarser grids is near the solution, and its first systems may be solved inexactly.
- * On 128 cells this takes 5 or 6 Newton iterations with 8 to 9 GMRES iterations each. A start from
- * the dry contact takes 13 Newton iterations. Strict systems take 12 GMRES iterations each. Systems
- * that are solved too inexactly cost one more Newton iteration. */
+/* A start from coarser grids is near the solution, and its first linear systems may be solved
+ * inexactly. On 128 cells this start takes 5 or 6 Newton iterations with 8 to 9 GMRES iterations
+ * each. A start from the dry contact takes 13 Newton iterations. If all systems are solved
+ * strictly, each takes 12 GMRES iterations. If systems are solved too inexactly, one more Newton
+ * iteration is needed. */
 static void fine_grids_take_few_iterations(void **state) {
     (void)state;
     const double moes_M[] = {20, 100}, moes_L[] = {10, 5};
@@ -377,7 +381,8 @@ static void fine_grids_take_few_iterations(void **state) {
         ehd_contact contact =
             sample_point("barus", "dowson-higginson", moes_M[i], moes_L[i], 128, true);
         problem solved;
-        // with the open boundary the contacts take 7 and 5 Newton iterations, 44 and 55 of GMRES
+        // with the open boundary the contacts take 7 and 5 Newton iterations, and 44 and 55 GMRES
+        // iterations
         contact.grid.boundary = BOUNDARY_ZERO;
         problem_solve_cold(&solved, &contact, &settings);
         newton += solved.info.newton_iterations;
@@ -406,8 +411,8 @@ static double deviation_from_hertz(double moes_M) {
     return worst;
 }
 
-/* Without piezoviscosity the pressure approaches that of the dry contact as the film becomes
- * thinner. */
+/* Without piezoviscosity the pressure approaches the pressure of the dry contact as the film
+ * becomes thinner. */
 static void thin_films_approach_hertz(void **state) {
     (void)state;
     double thick = deviation_from_hertz(10), thin = deviation_from_hertz(50),

@@ -29,7 +29,7 @@ static void check_film(const problem *solved) {
     }
 }
 
-/* The published discretisation has its exit at a node. */
+/* Tests the published discretisation, whose exit is at a node. */
 static void solution_satisfies_the_problem(void **state) {
     (void)state;
     full_settings settings = full_default_settings();
@@ -73,7 +73,7 @@ static void solution_satisfies_the_problem(void **state) {
     }
 }
 
-/* At x_min = -4.01 no node is at X = 0; the interpolation is exact for a cubic. */
+/* At x_min = -4.01 no node is at X = 0. The interpolation to X = 0 is exact for a cubic. */
 static void scalars_between_nodes(void **state) {
     (void)state;
     ehd_contact contact = sample_contact("barus", "incompressible", 10, 5, 0.04);
@@ -111,7 +111,8 @@ static void solution_is_a_fixed_point(void **state) {
 
 // ---- grids
 
-/* Returns the order of the central film's error, with boundary nodes at fixed places. */
+/* Returns the order of the central film's error. The boundary nodes are at the same places on all
+ * grids. */
 static double order_in_the_step(ehd_discretization discretization) {
     static const size_t intervals[] = {300, 600, 1200};
     const full_settings settings = full_default_settings();
@@ -148,8 +149,8 @@ static void newton_count_does_not_grow(void **state) {
 }
 
 /* The pressure zone starts a tenth of a half width too short or too long. The zone grows at once as
- * far as the multipliers require, so Newton takes no more iterations than the pressure needs, on
- * coarse and fine grids. Measured: 4 to 7 iterations. */
+ * far as the multipliers require. Newton's method therefore takes no more iterations than the
+ * pressure alone needs, on coarse and fine grids. Measured: 4 to 7 iterations. */
 static void zone_grows_at_once(void **state) {
     (void)state;
     static const double steps[] = {0.02, 0.01, 0.005};
@@ -175,8 +176,8 @@ static void zone_grows_at_once(void **state) {
 }
 
 /* The pressurised zone starts with two to four nodes, with a hole, or with all nodes. A zone with a
- * hole or with all nodes leads to the solution. A zone of few nodes may lead to none, and leaves no
- * memory unread before the grid (sanitizers). */
+ * hole or with all nodes leads to the solution. A zone of few nodes may lead to no solution, but
+ * the solver must not read memory before the grid (sanitizers). */
 static void any_zone_is_solved_or_given_up(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
@@ -204,8 +205,9 @@ static void any_zone_is_solved_or_given_up(void **state) {
     }
 }
 
-/* At a high alpha p_H a full Newton step may lead anywhere. Without a line search this contact
- * takes 354 iterations, most of them in a continuation; with a line search it takes 8. */
+/* At a high alpha p_H a full Newton step may lead far away from the solution. Without a line search
+ * this contact takes 354 iterations, most of them in a continuation. With a line search it takes
+ * 8 iterations. */
 static void steps_are_searched(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
@@ -246,7 +248,8 @@ static void exit_is_that_of_a_finer_grid(void **state) {
 
 enum { NUM_SWEPT = 21, NUM_COEFFICIENTS = 5 };
 
-/* Returns the largest deviation of equidistant values from their least-squares quartic. */
+/* Returns the largest deviation of equidistant values from a polynomial of degree four that is
+ * fitted by least squares. */
 static double scatter(const double values[NUM_SWEPT]) {
     double matrix[NUM_SWEPT * NUM_COEFFICIENTS], right[NUM_SWEPT], largest = 0;
 
@@ -297,7 +300,7 @@ static void exit_is_smooth_in_the_load(void **state) {
 }
 
 /* A result stores pressure and approach. The place of the exit within the cell of its node follows
- * from them. */
+ * from pressure and approach. */
 static void pressure_holds_the_exit(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
@@ -323,7 +326,7 @@ static void pressure_holds_the_exit(void **state) {
 }
 
 /* Rows before the node of the exit have zero residuals. The row of this node and the rows of
- * cavitated nodes do not. */
+ * cavitated nodes have nonzero residuals. */
 static void rows_before_the_exit_hold(void **state) {
     (void)state;
     const ehd_contact contact = accurate_contact(20, 10, 0.01);
@@ -343,8 +346,8 @@ static void rows_before_the_exit_hold(void **state) {
     free(rows);
 }
 
-/* The Jacobian is exact, including the row of the exit cell: it equals the dense Jacobian, and
- * Newton converges quadratically. */
+/* The Jacobian is exact, including the row of the exit cell. It equals the dense Jacobian, and
+ * Newton's method converges quadratically. */
 static void the_cell_is_part_of_the_linear_system(void **state) {
     (void)state;
     const ehd_contact contact = accurate_contact(12, 6, 0.04),
@@ -361,9 +364,10 @@ static void the_cell_is_part_of_the_linear_system(void **state) {
     problem_free(&solved);
 }
 
-/* With so fine a step, round-off leaves residuals of 5e-12. If the tolerance is smaller, as in
+/* On so fine a grid, round-off leaves residuals of 5e-12. If the tolerance is smaller, as in
  * training, the iteration ends when the residuals no longer fall. On its default grid this contact
- * takes 6 iterations; waiting until the residual falls below 1e-12 by chance would take 47. */
+ * takes 6 iterations. Waiting until the residual falls below 1e-12 by chance would take 47
+ * iterations. */
 static void rounding_ends_the_iteration(void **state) {
     (void)state;
     full_settings settings = full_default_settings();
@@ -392,7 +396,8 @@ static void not_converged_is_an_outcome(void **state) {
     problem_free(&stopped);
 }
 
-/* Cells far wider than the inlet that builds the film are reported, without thousands of steps. */
+/* If the cells are far wider than the inlet that builds the film, the solver reports this instead
+ * of taking thousands of steps. */
 static void too_coarse_a_grid_is_an_outcome(void **state) {
     (void)state;
     full_settings settings = full_default_settings();
@@ -506,7 +511,7 @@ static void solve_without_memory(void **state) {
 // ---- interruption
 
 /* Sends a signal before the third linear system. This system must not be solved, and the stored
- * step must keep its bits. */
+ * step must not change. */
 static ehd_status interrupted_gmres(full_system *system, double tolerance, size_t *iterations,
                                     ehd_error *error) {
     static size_t calls;
@@ -551,8 +556,8 @@ static void an_interrupted_linear_system_is_no_step(void **state) {
     program_finish(&self, EHD_OK, &error);
 }
 
-/* The film has two valleys. The bottom of the deeper one lies between nodes that are higher than
- * the node at the bottom of the other. */
+/* The film has two valleys. The bottom of the deeper valley lies between two nodes. At both nodes
+ * the film is thicker than at the node in the bottom of the other valley. */
 static void the_smallest_film_need_not_be_at_the_smallest_node(void **state) {
     (void)state;
     const ehd_contact contact = sample_contact("barus", "incompressible", 20, 6, 0.05);

@@ -38,7 +38,7 @@ static void rows_and_weights_are_read(void **state) {
     assert_null(given.factors);
     given_rows_free(&given);
 
-    // columns have any order and the names of model.h5; other columns are ignored
+    // columns may have any order and the names used in model.h5; other columns are ignored
     assert_int_equal(read_text(&given,
                                "# of mine\nx , row_factor, selected_row\n-1,0.5,2\n"
                                "who,2,7\n\n0,1e-3,3.0\n,1,0\n",
@@ -75,8 +75,8 @@ static void bad_rows_are_refused(void **state) {
     refuses("row,weight\n1,1\n2\n3,1\n", "rows.csv:3: found 1 column, expected 2 as in the header");
 }
 
-/* If a file has several known names, the first in the list is used: our files also have the axis
- * `row`. */
+/* If a file has several columns with known names, the name that comes first in the list is used.
+ * This matters because files of ehdrom also have the axis `row`. */
 static void the_first_known_name_counts(void **state) {
     (void)state;
     given_rows given;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Linear systems of Newton: GMRES with a near-field preconditioner, against a dense factorisation. */
+/* Linear systems of Newton's method. GMRES with a near-field preconditioner is compared with a
+ * dense factorisation. */
 #include "fullrun/full_solver.h"
 #include "fullrun/gmres.h"
 #include "tests/unit/check.h"
@@ -38,8 +39,8 @@ static void every_step_equals_dense(void **state) {
     }
 }
 
-/* With the whole kernel the preconditioner is the Jacobian, except for a constant that the approach
- * compensates. Any contact then takes two iterations. */
+/* If the near field contains the whole kernel, the preconditioner is the Jacobian, except for a
+ * constant that the approach compensates. Any contact then takes two iterations. */
 static void whole_kernel_needs_two_iterations(void **state) {
     (void)state;
     full_settings settings = full_default_settings();
@@ -53,10 +54,10 @@ static void whole_kernel_needs_two_iterations(void **state) {
     }
 }
 
-/* The default near field and tolerance take one or two dozen iterations, also if the viscosity
- * spans many decades. On 1201 nodes the mean is 18 (full_default_settings). A narrower near field
- * or a stricter tolerance needs more iterations; a wider near field or a looser tolerance costs
- * more than it saves. */
+/* With the default near field and tolerance, a system takes one or two dozen iterations, also if
+ * the viscosity spans many decades. On 1201 nodes the mean is 18 (full_default_settings). A
+ * narrower near field or a stricter tolerance needs more iterations. A wider near field or a looser
+ * tolerance costs more than it saves. */
 static void near_field_preconditions(void **state) {
     (void)state;
     static const char *const lubricants[] = {"barus", "roelands", "no1"};
@@ -92,7 +93,7 @@ static ehd_status watch_iterations(full_system *system, double tolerance, size_t
 }
 
 /* On 19201 nodes a system takes up to 46 iterations, each of which stores a vector. The limit must
- * allow so many vectors, and memory must be allocated only when needed. */
+ * allow this number of vectors, and their memory must be allocated only when it is needed. */
 static void vectors_suffice_for_a_fine_grid(void **state) {
     (void)state;
     const ehd_contact contact = sample_contact("barus", "dowson-higginson", 200, 5, 0.0003125);
@@ -117,7 +118,7 @@ static ehd_status compare_kept(full_system *system, double tolerance, size_t *it
     return status;
 }
 
-/* Makes a time step from a stationary solution to a load that is higher by `rise`. */
+/* Takes a time step from a stationary solution to a load that is higher by the fraction `rise`. */
 static void step_from_stationary(const ehd_contact *contact, double rise) {
     const double rate = 50;
     const ehd_grid *grid = &contact->grid;

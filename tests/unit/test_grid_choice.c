@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Default grids of contacts whose scenes give no grid, or only a part. */
+/* Default grids of contacts whose scenes give no grid, or only some of its values. */
 #include "common/physics/grid_choice.h"
 #include "common/settings/scene_contact.h"
 #include "tests/unit/check.h"
@@ -28,9 +28,9 @@ static ehd_contact contact_of(const char *kind, const char *discretization, doub
     return contact_in(&given, kind, discretization);
 }
 
-/* Checks dry gaps: zero at the edge, rising with the power 3/2; far away the undeformed gap minus a
- * term that grows more slowly. Slopes are checked by differences, for a line against sqrt(x^2 - 1)
- * of Hertz. */
+/* Checks dry gaps. A dry gap is zero at the edge and rises with the power 3/2. Far away it is the
+ * undeformed gap minus a term that grows more slowly. Finite differences give the slopes; the slope
+ * of a line contact is sqrt(x^2 - 1) (Hertz). */
 static void dry_gaps(void **state) {
     (void)state;
     const double d = 1e-6;
@@ -53,7 +53,7 @@ static void dry_gaps(void **state) {
     check_close(contact_point.dry_gap(&shape_round, 100), 5000, 1e-2, 0);
 }
 
-/* Grids are longer for thick films and finer for thin ones, depending on M and L. */
+/* Grids are longer for thick films and finer for thin films, depending on M and L. */
 static void grids_that_contacts_need(void **state) {
     (void)state;
     static const struct {
@@ -82,8 +82,8 @@ static void grids_that_contacts_need(void **state) {
     }
 }
 
-/* Checks the steps of narrow ellipses. A coarser step was measured to leave the minimum film 6 to
- * 14 % off. */
+/* Checks the steps of narrow ellipses. With a coarser step, the minimum film was measured to be 6
+ * to 14 % off. */
 static void narrow_ellipses_are_fine(void **state) {
     (void)state;
     static const struct {
@@ -99,9 +99,9 @@ static void narrow_ellipses_are_fine(void **state) {
     }
 }
 
-/* Returns the minimum film. If the bodies are rigid, it is 2.4485/M in Moes numbers for lines
- * (Martin, Engineering 102, 1916). For parabolas it is proportional to the square of speed over
- * load. */
+/* Returns the minimum film. For a line contact of rigid bodies, the film is 2.4485/M in Moes
+ * numbers (Martin, Engineering 102, 1916). For rigid paraboloids, the film is proportional to the
+ * square of the ratio of speed to load. */
 static double smallest_film(scene *given, const char *kind) {
     const full_settings settings = full_default_settings();
     const ehd_contact contact = contact_in(given, kind, "accurate");
@@ -149,7 +149,7 @@ typedef struct enough {
 } enough;
 
 /* Checks that the default grid has errors below 1 and 3 %, and that a coarser or shorter grid has
- * larger ones. */
+ * larger errors. */
 static void check_just_enough(const char *kind, const enough *of) {
     ehd_contact contact = contact_of(kind, "accurate", of->moes_M, of->moes_L);
     grid_extent less = grid_extent_of(&contact.grid);
@@ -174,8 +174,8 @@ static void grids_are_fine_and_wide_enough(void **state) {
 }
 
 /* For a point contact of low M and L with zero pressure around the grid, the load beyond the domain
- * determines the length. With half of the length the film is off by 1.5 %. The reference films are
- * those of the next test. */
+ * determines the length of the domain. With half of this length the film is off by 1.5 %. The
+ * reference films are the films of the next test. */
 static void points_count_the_load_beyond(void **state) {
     (void)state;
     const double central = 0.26890, smallest = 0.19779;
@@ -244,7 +244,8 @@ static void parts_that_are_given_stay(void **state) {
         check_close(found.x_max, given & 2 ? all.x_max : needed.x_max, 0, 1e-12);
         if (given & 1) check_close(found.x_min, all.x_min, 0, 1e-12);
         if (given & 4) check_close(found.step, all.step, 0, 0);
-        // ends and step that are not given are at least as wide and fine as needed, by less than a step
+        // given values stay; other ends lie less than a step outside of the needed ends, and the
+        // step is at most as large as needed
         assert_true(found.x_min <= (given & 1 ? all.x_min : needed.x_min) + 1e-12);
         assert_true(found.x_min > (given & 1 ? all.x_min : needed.x_min) - found.step);
         assert_true(found.step <= (given & 4 ? all.step : needed.step));
@@ -281,7 +282,7 @@ static void grids_have_an_end(void **state) {
     assert_int_equal(scene_contact(&contact, &given, &error), EHD_OK);
 }
 
-/* A contact takes the grid of a model if its scene gives no other one. */
+/* A contact takes the grid of a model if its scene gives no other grid. */
 static void grids_of_models(void **state) {
     (void)state;
     const ehd_grid model = grid_of(-6, 0.01, 801, 1, false, DISCRETIZATION_ACCURATE);
@@ -306,7 +307,7 @@ static void grids_of_models(void **state) {
     contact_take_grid(&contact, &model);
     assert_false(grid_same(&contact.grid, &model));
 
-    // a whole or half grid as the scene requires
+    // a scene that requires a half grid does not take a whole grid
     const ehd_grid whole = grid_of(-3, 0.125, 41, 41, false, DISCRETIZATION_ACCURATE);
     contact_take_grid(&contact, &whole);
     assert_false(grid_same(&contact.grid, &whole));

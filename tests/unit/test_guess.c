@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Starts from trained solutions. Inside the training, starts are exact for fields that are
- * quadratic in the place. For affine fields they are exact wherever the training spans a plane.
- * Otherwise the nearest state is used. */
+/* Tests the initial states (guesses) that are computed from trained solutions. The trained
+ * solutions of these tests are points in the plane of two coordinates, ln M and ln(1 + alpha p_H) /
+ * 2, and their unknowns are given functions of the coordinates.
+ * - Between the points the guess is exact if the unknowns are quadratic functions.
+ * - Near the points the guess is exact for affine functions, if the points do not all lie on one
+ *   line.
+ * - If all points lie on one line, or are far away, the guess is the nearest trained solution. */
 #include "common/settings/scene.h"
 #include "romrun/solve/guess.h"
 #include "romrun/solve/reduced_solver.h"
@@ -15,7 +19,7 @@
 
 enum { MOST = 7, UNKNOWNS = 2 };
 
-// distances of places in ln M and ln(1 + alpha p_H) / 2
+// distances between neighbouring trained solutions in ln M and in ln(1 + alpha p_H) / 2
 static const double SPACING[2] = {0.14, 0.06};
 
 typedef struct places {
@@ -30,8 +34,8 @@ static double field(double x, double y, size_t unknown, bool quadratic) {
     return quadratic ? affine + 2 * x * x - 3 * x * y + 0.5 * y * y : affine;
 }
 
-/* Makes states on a grid of `columns` by `rows` places; their coordinates are the values of the
- * fields. */
+/* Makes trained solutions on a grid of `columns` by `rows` points of the plane. The unknowns of a
+ * solution are the values of `field` at its point. */
 static void places_init(places *self, size_t columns, size_t rows, bool quadratic) {
     reduced_states *states = &self->model.states;
     ehd_error error;
@@ -60,7 +64,8 @@ static void places_free(places *self) {
     reduced_state_free(&self->state);
 }
 
-/* Compares the guess at one place with the field at another, in units of the spacing. */
+/* Compares the guess at the point `at` of the plane with `field` at the point `as`. Both points are
+ * in units of SPACING. */
 static void check_guess(places *self, const double at[2], const double as[2], bool quadratic) {
     reduced_guess(&self->state, &self->model,
                   (contact_place){.moes_M = exp(SPACING[0] * at[0]),
@@ -84,8 +89,8 @@ static void quadratic_amid_training(void **state) {
     places_free(&self);
 }
 
-/* The guess of an affine field is exact outside of the training. It is also exact for two rows of
- * states, which do not determine the second derivative. */
+/* The guess of an affine function is exact also outside of the trained points, and if there are
+ * only two rows of points, which do not determine a second derivative. */
 static void affine_where_training_spans_a_plane(void **state) {
     (void)state;
     places self;
@@ -134,8 +139,8 @@ static ehd_lubricant barus(bool compressible) {
     return found;
 }
 
-/* Makes states of two lubricants at the same places; their coordinates are the fields plus five
- * times the rise of the density. */
+/* Makes states of two lubricants at the same places. The coordinates of a state are the values of
+ * the fields plus five times the rise of the density. */
 static void places_of_two(places *self, const ehd_lubricant of[2], size_t columns, size_t rows,
                           bool quadratic) {
     const size_t each = columns * rows;
@@ -156,9 +161,9 @@ static void places_of_two(places *self, const ehd_lubricant of[2], size_t column
 }
 
 /* Two lubricants have states at the same places. The states of the compressible lubricant differ by
- * five times the rise of its density. The incompressible contact gets its own field. Without a
- * lubricant the guess lies between both fields. If only one lubricant has states, they are used
- * unchanged for another lubricant. */
+ * five times the rise of its density. The guess for the incompressible lubricant is its own field.
+ * If the contact gives no lubricant, the guess lies between both fields. If only one lubricant has
+ * states, its states are used unchanged for another lubricant. */
 static void lubricants_are_told_apart(void **state) {
     enum { ALL = 2 * MOST * MOST };
     const ehd_lubricant of[2] = {barus(false), barus(true)};
@@ -206,9 +211,9 @@ static void lubricants_are_told_apart(void **state) {
     places_free(&self);
 }
 
-/* If the contact's lubricant has too few states for a quadratic fit, states of other lubricants are
- * used too, each with its own lubricant. The guess of an affine field of two lubricants is then
- * exact. */
+/* If the contact's lubricant has too few states for a quadratic fit, the fit also uses states of
+ * other lubricants, each with its own lubricant. The guess of an affine field of two lubricants is
+ * then exact. */
 static void few_states_of_two_lubricants(void **state) {
     enum { COLUMNS = 4, ROWS = 2 };
     const ehd_lubricant of[2] = {barus(false), barus(true)};
@@ -229,8 +234,8 @@ static void few_states_of_two_lubricants(void **state) {
 
 // ---- effects of the grid
 
-/* Effects that are products of powers of M and of 1 + alpha p_H are exact. Older models have signed
- * effects; the sign is ignored. */
+/* Effects that are products of powers of M and of 1 + alpha p_H are interpolated exactly. Older
+ * models have effects with a sign, which is ignored. */
 static void effects_are_powers(void **state) {
     (void)state;
     places self;
@@ -309,7 +314,7 @@ static void guess_at_a_training_point_is_that_state(void **state) {
         assert_true(reduced.state.exit >= reduced.model.band.lines[0].min_exit);
         assert_true(reduced.state.exit <= reduced.model.band.lines[0].max_exit);
     }
-    // far outside: a trained solution, and an exit within the tables
+    // far outside of the training, the guess is a trained solution, with an exit within the tables
     reduced_guess(&reduced.state, &reduced.model, (contact_place){.moes_M = 1e4, .alpha_p_H = 1e3});
     size_t same = 0;
     for (size_t s = 0; s < TRAINED_STATES; s++)
@@ -368,7 +373,7 @@ static void goes_on_to_other_starts(void **state) {
     trained_free(&training);
 }
 
-/* for models whose contacts have no lubricant */
+/* used in models whose contacts have no lubricant */
 static lubricant_rises no_rises[7];
 
 static bool is_trained_at(const reduced_model *model, double M, double alpha_p_H,
@@ -417,12 +422,12 @@ static void trained_range_is_the_hull(void **state) {
     rate[3] = 0.1;
     assert_true(is_trained(&model, 15, 3, 0.1));
     assert_false(is_trained(&model, 15, 3, 0.11));
-    // in training the load changed more slowly; the speed caused the other changes
+    // in training the load changed more slowly than the contact, because the speed also changed
     load_rate[2] = 0.04;
     assert_true(is_trained_at(&model, 15, 3, (frame_rates){.all = 0.1, .load = 0.04}));
     assert_false(is_trained_at(&model, 15, 3, (frame_rates){.all = 0.1, .load = 0.045}));
-    // the training points lie on a curve, as when only the load varies: M is proportional to alpha
-    // p_H squared
+    // the training points lie on a curve, as in a training in which only the load varies: M is
+    // proportional to alpha p_H squared
     double line[] = {1, 2, 3, 4, 5, 6}, squares[] = {1, 4, 9, 16, 25, 36};
     model.states.alpha_p_H = line;
     model.states.moes_M = squares;
@@ -450,14 +455,15 @@ static void trained_range_is_the_hull(void **state) {
     assert_false(is_trained(&model, 6.1, 6.1, 0));
     assert_false(is_trained(&model, 2.5, 2.6, 0));
     assert_false(is_trained(&model, 2.6, 2.5, 0));
-    // the range of one point, and of none, is empty
+    // the trained range of a single point, or of no points, is empty
     model.states.num_states = 1;
     assert_false(is_trained(&model, 1, 1, 0));
     model.states.num_states = 0;
     assert_false(is_trained(&model, 1, 1, 0));
 }
 
-/* Checks how far contacts are outside of two trained ranges, M from 1 to 20 and from 20 to 30. */
+/* Checks how far contacts are outside of two trained ranges, one with M from 1 to 20 and one with M
+ * from 20 to 30. */
 static void outside_the_nearest_range(void **state) {
     (void)state;
     bool stationary[] = {true, true, true, true};
@@ -488,7 +494,8 @@ static void outside_the_nearest_range(void **state) {
             assert_non_null(range);
             for (int i = 0; i < 4; i++) {
                 contact_place place = at[i];
-                // inside the small range, and too much thinning for both
+                // the last place is inside the small range of M, but its thinning is too large for
+                // both ranges
                 place.thinning.sliding = kind == 0 ? 0 : i == 3 ? 0.3 : 0.15;
                 found[r][i] = trained_range_outside(range, NULL, place);
             }
@@ -553,7 +560,7 @@ static void trained_range_knows_thinning(void **state) {
         thinning[s] = (flow_thinning){sliding[s], 0.5};
     for (size_t s = 0; s < 7; s++)
         assert_string_equal(judge(&model, moes_M[s], alpha_p_H[s], sliding[s]), "");
-    // on the slope of the wedge: ln(thinning/0.01) = ln(M/10)
+    // places on the slope of the wedge, where ln(thinning/0.01) = ln(M/10)
     assert_string_equal(judge(&model, 20, 10, 0.02), "");
     assert_string_equal(judge(&model, 20, 10, 0.02 * (1 + 1e-6)), "");
     assert_string_equal(judge(&model, 20, 10, 0.02 * (1 - 1e-6)), beside);
@@ -568,7 +575,7 @@ static void trained_range_knows_thinning(void **state) {
     assert_string_equal(judge(&model, 20, 10, 0), "");
     assert_string_equal(judge(&model, 20, 10, 1e-7), "");
     assert_string_equal(judge(&model, 20, 10, 1.1e-6), more);
-    // both in training: Newtonian and thinned flow
+    // the training has both Newtonian and thinned flow
     thinning[0].sliding = 0.01;
     assert_string_equal(judge(&model, 10, 5, 0.005), "");
     assert_string_equal(judge(&model, 20, 10, 0.005), beside);

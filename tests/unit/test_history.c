@@ -22,8 +22,8 @@ static void write_file(const char *name, const char *text) {
 
 // ---- scenes
 
-/* Returns a transient scene to T = 2 with these histories below `transient`. If they include an
- * `approach`, it is given instead of the load. */
+/* Returns a transient scene that ends at T = 2, with these histories below `transient`. If the
+ * histories include an `approach`, the approach is given instead of the load. */
 static scene scene_of(const char *histories) {
     char text[1024];
     scene of;
@@ -120,7 +120,7 @@ static void sine_and_ramp_have_their_values(void **state) {
                (double[]){0.75, 0.5}, 0);
 }
 
-/* A time step that ends at the jump has the old value. */
+/* A time step that ends at the jump has the value before the jump. */
 static void step_is_continuous_from_the_left(void **state) {
     (void)state;
     check_load("load: {law: step, from: 2, to: 3, at: 0.5}", 4,
@@ -145,8 +145,9 @@ static void tables_are_read_between_their_times(void **state) {
                (double[]){1.5, 2.25, 2.6, 4}, 1e-15);
 }
 
-/* Checks the path of the fluid, the integral of the speed from 0 on. Away from kinks its slope, by
- * central differences, is the speed; at kinks the path does not jump. */
+/* Checks the path of the fluid, which is the integral of the speed from time 0 on. Away from kinks,
+ * the slope of the path equals the speed; the slope is computed by central differences. At kinks
+ * the path does not jump. */
 static void check_path(const char *histories) {
     const double step = 1e-4;
     ehd_histories *self = accepts(histories);
@@ -215,7 +216,7 @@ static void kinks_and_jumps_come_in_order(void **state) {
                  "speed: {law: step, to: 2, at: 0.75}, modulus: {law: step, to: 2, at: 1.5}, "
                  "radius: {law: ramp, to: 2, start: -1, duration: 2}",
                  4, (double[]){0.5, 0.75, 1, 1.5}, (bool[]){false, true, false, true});
-    // a kink and a jump at the same time count as a jump, in either order
+    // a kink and a jump at the same time count as a jump, whichever comes first in the scene
     check_events("load: {law: ramp, to: 2, start: 0.5, duration: 1}, "
                  "speed: {law: step, to: 2, at: 0.5}",
                  2, (double[]){0.5, 1.5}, (bool[]){true, false});
@@ -275,7 +276,7 @@ static void histories_that_reach_zero_are_refused(void **state) {
     refuses("modulus: {law: sine, amplitude: 1, period: 4, phase: 3.141592653589793}",
             "transient.modulus: found 0 at T = 1");
     histories_free(accepts("radius: {law: sine, amplitude: 0.999999, period: 1}"));
-    // the trough of the sine comes after the end, or would be before the start
+    // the troughs of the sine lie after the end and before the start
     histories_free(accepts("load: {law: sine, amplitude: 1.5, period: 4}"));
     refuses("load: {law: sine, amplitude: 1.5, period: 3}", "found -0.299038 at T = 2");
     refuses("radius: {law: ramp, to: 0, duration: 2}", "transient.radius: found 0 at T = 2");
@@ -325,8 +326,8 @@ static void a_reversal_is_refused_but_not_rest(void **state) {
     histories_free(self);
 }
 
-/* All knots are positive. The second derivative of the spline is 1.14 at the inner knots. So the
- * spline has the value 0.05 - 1.14/8 midway between them. */
+/* All knots are positive. The second derivative of the spline is 1.14 at the inner knots. Midway
+ * between the inner knots the spline therefore has the value 0.05 - 1.14/8. */
 static void splines_are_checked_between_their_knots(void **state) {
     (void)state;
     write_file("dip.csv", "T,F\n-1,1\n0,0.05\n1,0.05\n2,1\n");
@@ -345,7 +346,7 @@ static void splines_are_checked_between_their_knots(void **state) {
 
 // ---- faults of tables
 
-/* Refuses a table of the load that is given as text. */
+/* Checks that a table of the load with this text is refused. */
 static void refuses_table(const char *text, const char *part) {
     write_file("bad.csv", text);
     refuses("load: {law: table, file: bad.csv, column: F, interpolation: linear}", part);
@@ -382,7 +383,7 @@ static void bad_csv_tables_are_refused(void **state) {
             "bad.csv: found 2 rows, expected at least 3 (spline)");
 }
 
-/* The column of time is found by its name, at any place and in files of any program. */
+/* The column of time is found by its name, at any position and in files of any program. */
 static void csv_columns_are_found_by_name(void **state) {
     static const char *const texts[] = {
         ",T,F\n0,0,1\n1,1,2\n2,2,1\n", // an index in front, from pandas

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* Tests a cube, some of whose corners are given twice. */
+/* Tests a cube. Some of its corners are given twice. */
 static void distances_from_a_cube(void **state) {
     double cube[3 * 10];
     (void)state;

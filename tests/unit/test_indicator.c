@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Control rows and the error estimate: choice of the rows, their residuals, the estimate. */
+/* Control rows and the error estimate. Tests the choice of the control rows, their residuals, and
+ * the estimate that is computed from them. */
 #include "deimselect/control.h"
 #include "romrun/solve/guess.h"
 #include "romrun/trust/functionals.h"
@@ -43,9 +44,9 @@ enum { NODES = 12, MODES = 2, SELECTED = 3 };
 
 static const size_t selected[SELECTED] = {1, 4, 9};
 
-/* Makes the converged residuals of three states. They differ from the modes at nodes 7, 2 and 10,
- * by decreasing amounts. Before each of them is the residual of an iteration that is not converged,
- * at node 5. */
+/* Makes two residuals for each of three states. The first residual belongs to an iteration that is
+ * not converged, and is large at node 5. The second residual is converged. It is a sum of the
+ * modes, except for a deviation at node 7, 2 or 10, which decreases from state to state. */
 static void make_snapshots(double residuals[6][NODES], double modes[MODES][NODES]) {
     const size_t places[] = {7, 2, 10};
 
@@ -76,7 +77,7 @@ static void control_rows_are_where_selected_ones_predict_least(void **state) {
     assert_int_equal(control[0], 7);
     assert_int_equal(control[1], 2);
     assert_int_equal(control[2], 10);
-    // each converged state gives at most one control row; states on trajectories give none
+    // each converged state gives at most one control row; states of trajectories give none of them
     count = 4;
     assert_int_equal(control_choose(control, &count, true, &snapshots, NODES, modes[0], MODES,
                                     selected, SELECTED, &error),
@@ -115,7 +116,8 @@ static void choice_survives_failing_allocations(void **state) {
 static const size_t control_nodes[] = {20, 1, 150, 203, 250, 253, 255, 257, 259};
 enum { NUM_CONTROL = sizeof control_nodes / sizeof *control_nodes };
 
-/* Keeps the first residual of a level-i iteration, which is that of the start. */
+/* Keeps the weighted residual of the first iteration, which is evaluated at the initial state. The
+ * solver calls this function once per iteration. Its model has all rows of the grid. */
 static ehd_status keep_first(void *context, const double *residual, const double *step,
                              ehd_error *ignored) {
     double *kept = context;
@@ -125,7 +127,7 @@ static ehd_status keep_first(void *context, const double *residual, const double
     return EHD_OK;
 }
 
-/* Returns |D f| over the control rows, computed from all rows. */
+/* Returns the norm |D f| of the control rows, computed from all rows. */
 static double residual_from_all_rows(const reduced_model *model, const reduced_state *at,
                                      const ehd_contact *contact) {
     const reduced_settings once = {.tolerance = 1e-8, .max_iterations = 1};
@@ -159,7 +161,7 @@ static void control_residual_is_that_of_all_rows(void **state) {
         indicator *self = indicator_create(&model);
         double *z = malloc(model.num_unknowns * sizeof *z);
         assert_true(self && z);
-        // states of other contacts, with exits on and off a checkpoint
+        // states of other contacts; some exits are at a checkpoint (reduced_cut.h), others are not
         for (size_t s = 0; s < TRAINED_STATES; s++) {
             const ehd_contact *contact = &training.contacts[(s + 5) % TRAINED_STATES];
             const reduced_state at = {.coordinates = z, .exit = model.states.exit[s] + s % 3};
@@ -233,7 +235,7 @@ static void bound_follows_the_deviation(void **state) {
     }
 }
 
-/* The last least-squares problem of a solver and its step, solved by QR. */
+/* The last least-squares problem of a solver. `step` is its solution, computed by QR. */
 typedef struct problem {
     size_t num_rows, num_columns;
     double matrix[400 * 40], right[400], step[40];
@@ -274,8 +276,8 @@ static void film_gradient(double *gradient, reduced_solver *solver, const reduce
     }
 }
 
-/* Computes by how much the residual of each row moves a film: the shortest x with J^T x =
- * gradient. */
+/* Computes how much the residual of each row changes a film. This is the shortest x with
+ * J^T x = gradient. */
 static void shortest_cause(double *cause, const problem *last, const double *gradient) {
     double copy[400 * 40];
 
@@ -306,7 +308,7 @@ static void field_gradients(double *gradients, const reduced_model *model,
     free(fields);
 }
 
-/* Returns by how much the remaining residuals of the rows move a quantity with this gradient. */
+/* Returns how much the remaining residuals of the rows change a quantity with this gradient. */
 static double moved(const problem *last, const double *left, const double *gradient) {
     double cause[400], sum = 0;
 
@@ -317,7 +319,8 @@ static double moved(const problem *last, const double *left, const double *gradi
 }
 
 /* Errors of pressures, load and fields follow from the residual of each row, like the error of the
- * central film. `added` are further squared residuals. */
+ * central film. The array `added` contains squared residuals that are added to the squared
+ * residuals of the rows. */
 static void other_errors_are_what_each_row_does(void **state) {
     static problem last;
     (void)state;
@@ -371,7 +374,7 @@ static void other_errors_are_what_each_row_does(void **state) {
                 cblas_daxpy((int)n, model.grid.step / model.kind->load, gradients + k * n, 1,
                             gradient, 1);
             check_close(found.load, moved(&last, left, gradient), 1e-3, 1e-12);
-            // the film of an independent basis has its own unknowns
+            // the film of an independent basis has its own unknowns, so its error is not compared
             for (size_t k = 1; k < at.exit && kind; k++)
                 film = fmax(film, moved(&last, left, gradients + (num_nodes + k) * n));
             if (kind) check_close(found.film, film, 1e-3, 0);
@@ -388,7 +391,8 @@ static void other_errors_are_what_each_row_does(void **state) {
     }
 }
 
-/* The error of the central film is the residual of each row times its effect on the film. */
+/* The error of the central film follows from the residual of each row times the effect of this
+ * residual on the film. */
 static void film_error_is_what_each_row_does(void **state) {
     static problem last;
     (void)state;
@@ -430,7 +434,7 @@ static void film_error_is_what_each_row_does(void **state) {
             check_close(functionals_film_error(influence, moves, solver, REDUCED_CENTRAL_FILM),
                         sqrt(sum), 1e-4, 0);
 
-            // here each control row is also a selected row, and has the influence of that row
+            // here each control row is also a selected row, so both have the same influence
             const double *residuals = indicator_control_residuals(self, &at, contact);
             for (size_t r = 0; r < NUM_CONTROL; r++)
                 sum += pow(residuals[r] * influence[control_nodes[r] - 1], 2);

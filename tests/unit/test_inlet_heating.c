@@ -19,13 +19,13 @@ static void falls_from_one(void **unused) {
         assert_true(factor < inlet_heating_factor(loading, 0.004, 0));
         check_close(factor, inlet_heating_factor(loading, 0.004, -0.1), 0, 0);
     }
-    // by hand: 1 - 13.2 0.005, over 1 + 0.213 (1 + 2.23)
+    // by hand: (1 - 13.2 0.005) / (1 + 0.213 (1 + 2.23))
     check_close(inlet_heating_factor(1, 0.005, 1), 0.934 / 1.68799, 1e-14, 0);
 }
 
-/* Returns the factor of Murch and Wilson (1975), quoted by Wilson and Sheu (1983): an inlet
- * analysis in pure rolling that does not depend on the load. The range of our factor follows from
- * it. */
+/* Returns the factor of Murch and Wilson (1975), as quoted by Wilson and Sheu (1983). It comes from
+ * an inlet analysis in pure rolling and does not depend on the load. The range of use of our factor
+ * follows from the comparison with this factor. */
 static double murch_wilson(double loading) {
     return 1 / (1 + 0.254 * pow(loading, 0.62));
 }

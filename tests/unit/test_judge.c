@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which solutions of a line and a point contact are usable. */
+/* Tests which solutions of a line and a point contact are usable. */
 #include "fullrun/judge.h"
 #include "tests/unit/check.h"
 #include "tests/unit/sample.h"

@@ -39,8 +39,8 @@ static double previous_film(void *context, size_t node) {
     return self->previous[node - 1];
 }
 
-/* Solves the step with factors that were kept from a step of 1/`shorter` of its length; 0: without
- * factors. */
+/* Solves the step with factors that were kept from a step whose length is 1/`shorter` of its own
+ * length. If `shorter` is 0, no factors are kept. */
 static reduced_info take_time_step(time_step *self, double shorter) {
     const ehd_contact *contact = &training.contacts[self->state];
     reduced_settings settings = reduced_default_settings();
@@ -75,9 +75,9 @@ static reduced_info take_time_step(time_step *self, double shorter) {
     return info;
 }
 
-/* Factors of the same step are as good as a Jacobian in every iteration. Factors of a step that is
- * shorter by a sixth take a few iterations more. Factors of a step a third as long would converge
- * at a rate of 2/3, so the solver does not use them. */
+/* Factors of the same step are as good as a new Jacobian in every iteration. Factors of a step that
+ * is shorter by a sixth take a few iterations more. Factors of a step a third as long would
+ * converge at a rate of 2/3, so the solver does not use them. */
 static void kept_factors_serve_steps_alike(void **state) {
     (void)state;
     for (size_t s = 0; s < TRAINED_STATES; s += 5)
@@ -98,8 +98,9 @@ static void kept_factors_serve_steps_alike(void **state) {
         }
 }
 
-/* Factors of a step twice as long change the solution twice too much. The second iteration shows
- * this rate. The solver then uses the Jacobian at the state that it has reached. */
+/* With factors of a step twice as long, each iteration changes the solution by twice the right
+ * amount. The solver detects this in the second iteration. It then uses the Jacobian at the state
+ * that it has reached. */
 static void slow_factors_are_replaced_near_the_solution(void **state) {
     size_t num_own = 0, num_slow = 0;
     (void)state;
@@ -112,13 +113,15 @@ static void slow_factors_are_replaced_near_the_solution(void **state) {
         num_own += own.iterations;
         num_slow += slow.iterations;
     }
-    assert_true(num_slow <= num_own + 1); // starts anew: three more
+    // a new start from the beginning would take three more iterations
+    assert_true(num_slow <= num_own + 1);
 }
 
-/* Far from the solution the mobility in the rows is linear in the pressure. At first the line
- * touches the mobility at the higher of two pressures, of the current and the last state. Later, if
- * the pressure of a node has risen, it touches at this pressure. If the pressure has fallen, it
- * touches where the mobility equals that of the linear rows. */
+/* Far from the solution, the rows use a mobility that is linear in the pressure. This line is a
+ * tangent to the curve of the mobility. At first, the tangent touches the curve at the higher of
+ * two pressures: the pressure of the current state and the pressure of the last state. Later, if
+ * the pressure of a node has risen, the tangent touches at this pressure. If the pressure has
+ * fallen, the tangent touches where the mobility equals the mobility of the linear rows. */
 static void rows_are_linear_about_other_pressures(void **state) {
     const size_t s = 5;
     const scene exponential = sample_scene("barus", "incompressible", 20, 10);
@@ -153,7 +156,8 @@ static void rows_are_linear_about_other_pressures(void **state) {
     memcpy(mobility, system.fluid_memory, num * sizeof *mobility);
     memcpy(slope, system.fluid_memory + num, num * sizeof *slope);
     for (size_t r = 0; r < num_rows; r++) {
-        residual[r] = system.rows[r].residual; // at the state; the next lines move it by 0.1
+        // residual at the state, plus its linear change if the pressure changes by 0.1 cos(node)
+        residual[r] = system.rows[r].residual;
         for (int a = 0; a < NUM_STENCIL; a++)
             if (model->rows.stencils[r].node[a] != NO_NODE)
                 residual[r] += 0.1 * system.rows[r].by_pressure[a] *
@@ -170,7 +174,7 @@ static void rows_are_linear_about_other_pressures(void **state) {
         const double fall = last[q] - nodes.now.pressure[q];
         assert_true(nodes.pressurised[q] && fall > 0 ? about[q] > nodes.now.pressure[q]
                                                      : about[q] == nodes.now.pressure[q]);
-        // mobility of the linear rows, where the pressure has fallen
+        // mobility of the linear rows at nodes where the pressure has fallen
         last[q] = mobility[q] - slope[q] * fmax(fall, 0);
     }
     system_evaluate(&system, &nodes, 0, contact, NULL, about);
@@ -182,8 +186,8 @@ static void rows_are_linear_about_other_pressures(void **state) {
     reduced_problem_free(&reduced);
 }
 
-/* Exits may move by 0.025 half widths on each line of a point contact, and by one node on coarse
- * grids. */
+/* Kept factors may be used if the exit on each line of a point contact has moved by at most 0.025
+ * half widths, or by one node on coarse grids. */
 static void factors_serve_while_exits_are_near(void **state) {
     size_t at[] = {50, 60}, here[] = {50, 60};
     const kept_factors kept = {.exit = at};

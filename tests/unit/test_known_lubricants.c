@@ -23,7 +23,7 @@ static ehd_lubricant oil(const char *law, double alpha, double eta0, const char 
     return found;
 }
 
-/* A model with one lubricant for each state, at all pressures, and a calibration. */
+/* A model whose states have lubricants at all PRESSURES, and the lubricants of its calibration. */
 typedef struct sample {
     reduced_model model;
     double alpha_p_H[4 * NUM];
@@ -94,9 +94,9 @@ static void one_lubricant_is_known_alone(void **state) {
                         "not in training");
 }
 
-/* A lubricant is known if it lies between those of the training; outside of them it is unknown.
- * It is also unknown if its viscosity law was trained with only one density law, and it has
- * another. */
+/* A lubricant is known if it lies between the lubricants of the training. Outside of these
+ * lubricants it is unknown. A lubricant is also unknown if its viscosity law was trained with only
+ * one density law, and the lubricant has another density law. */
 static void lubricants_between_are_known(void **state) {
     const double alphas[] = {1.4e-8, 1.6e-8, 1.8e-8};
     sample model = {0}, pairs = {0};
@@ -126,8 +126,8 @@ static void lubricants_between_are_known(void **state) {
                         "viscosity law barus with density law incompressible: not in training");
 }
 
-/* A calibration makes lubricants known: stationary scenes of the calibration for stationary
- * contacts, trajectories for transient contacts. */
+/* A calibration makes lubricants known. Its stationary scenes do so for stationary contacts, its
+ * trajectories for transient contacts. */
 static void calibrations_make_lubricants_known(void **state) {
     const ehd_lubricant own = oil("roelands", 1.6e-8, 0.06, "dowson-higginson");
     const ehd_lubricant rigid = oil("roelands", 1.6e-8, 0.06, "incompressible");

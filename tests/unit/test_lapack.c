@@ -18,7 +18,7 @@ static void success_says_nothing(void **state) {
     check_close(matrix[0], 2, 1e-15, 0);
 }
 
-/* Tries a matrix that is not definite, one with NaN, and an invalid argument. */
+/* Tries a matrix that is not positive definite, a matrix with NaN, and an invalid argument. */
 static void what_a_routine_refuses_is_internal(void **state) {
     double indefinite[] = {1, 0, 0, -1}, no_number[] = {NAN, 0, 0, 1};
     (void)state;

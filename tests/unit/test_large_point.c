@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The number of threads changes no bit of the solution on a large grid, nor the number of
+/* The number of threads changes neither the bits of the solution on a large grid nor the number of
  * iterations. */
 static void threads_change_no_bit(void **state) {
     (void)state;
@@ -40,9 +40,9 @@ static void threads_change_no_bit(void **state) {
     }
 }
 
-/* A small grid that is solved as a stage of a large one uses a multigrid cycle instead of factors.
- * The solution is that of the small grid alone, up to round-off. Threads change no bit of this
- * solution. */
+/* If a small grid is solved on the way to the solution on a large grid, a multigrid cycle is used
+ * instead of factors. The solution equals the usual solution on the small grid, up to round-off.
+ * Threads change no bit of this solution. */
 static void a_small_grid_is_solved_as_a_large_one(void **state) {
     (void)state;
     const ehd_contact contact = sample_point("barus", "dowson-higginson", 20, 10, 96, true);

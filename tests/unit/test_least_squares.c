@@ -83,8 +83,8 @@ static void solve(double *x, const double *matrix, const double *right, size_t n
     least_squares_free(workspace);
 }
 
-/* The allowed error is that of perturbation theory: proportional to the condition, and to its
- * square if the residual is not small. */
+/* The allowed error follows from perturbation theory. It is proportional to the condition number,
+ * and to its square if the residual is not small. */
 static void equals_lapack(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], expected[COLUMNS];
@@ -102,10 +102,10 @@ static void equals_lapack(void **state) {
         }
 }
 
-/* The error of the normal equations is proportional to the square of the condition. It is 1e-5 at
- * a condition of 1e6. Up to this condition the normal equations are used, since their factors are
- * cheap and can be reused by least_squares_again. At 1e8 they would fail; QR has an error of
- * 1e-9. */
+/* The error of the normal equations is proportional to the square of the condition number. It is
+ * 1e-5 at a condition number of 1e6. Up to this number the normal equations are used, since their
+ * factors are cheap and can be reused by least_squares_again. At 1e8 they would fail; QR has an
+ * error of 1e-9. */
 static void qr_takes_over_where_normal_equations_fail(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], expected[COLUMNS];
@@ -129,7 +129,7 @@ static void qr_takes_over_where_normal_equations_fail(void **state) {
     least_squares_free(workspace);
 }
 
-/* Columns of very different norm do not make the problem ill-conditioned. */
+/* Columns of very different norms do not make the problem ill-conditioned. */
 static void scales_columns(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], expected[COLUMNS];
@@ -145,7 +145,7 @@ static void scales_columns(void **state) {
         check_close(x[j] * pow(10, 2 * (double)j - 10), expected[j], 1e-10, 1e-12);
 }
 
-/* The other columns are solved as if there were no zero columns, whatever the condition. */
+/* The other columns are solved as if there were no zero columns, at any condition number. */
 static void zero_columns_get_zero(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS];
@@ -190,8 +190,8 @@ static void near_rank_deficiency_is_harmless(void **state) {
     }
 }
 
-/* Iterates with the factors of a similar matrix to the fixed point, which is the solution for the
- * given matrix. */
+/* Iterates with the factors of a similar matrix. The fixed point of the iteration is the solution
+ * for the given matrix. */
 static void factors_of_a_neighbour_converge_to_the_solution(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], left[ROWS], expected[COLUMNS], step[COLUMNS];
@@ -217,8 +217,8 @@ static void factors_of_a_neighbour_converge_to_the_solution(void **state) {
     least_squares_free(workspace);
 }
 
-/* With fewer rows than columns the solution would depend on the start of Newton. Columns of zeros
- * need no row. */
+/* With fewer rows than columns the solution would depend on the start of Newton's iteration.
+ * Columns of zeros need no row. */
 static void fewer_rows_than_columns_are_refused(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS];
@@ -252,7 +252,8 @@ static void not_finite_is_said(void **state) {
         random_vector(right, ROWS);
         matrix[17] = bad[i];
         assert_int_equal(least_squares_solve(x, workspace, matrix, right, ROWS), EHD_NOT_CONVERGED);
-        // not finite in the first column only, which is not a column of zeros
+        // only the first column has a value that is not finite; this column must not count as a
+        // column of zeros
         random_matrix(matrix, ROWS, 5);
         matrix[COLUMNS] = bad[i];
         assert_int_equal(least_squares_solve(x, workspace, matrix, right, ROWS), EHD_NOT_CONVERGED);
@@ -321,7 +322,7 @@ static void dual_is_the_shortest_cause(void **state) {
     double x[COLUMNS];
 
     assert_non_null(workspace);
-    // by normal equations and, at the largest condition, by QR
+    // solved by the normal equations and, at the largest condition number, by QR
     const double conditions[] = {1, 1e3, 1e9};
     for (int i = 0; i < 3; i++) {
         random_matrix(matrix, ROWS, conditions[i]);

@@ -102,7 +102,7 @@ static void wlf_coefficients_and_limits(void **state) {
     }
 }
 
-/* Below the pressure limit of a law its viscosity rises with a finite slope. Above the limit, the
+/* Below its pressure limit, the viscosity of a law rises with a finite slope. Above the limit, the
  * value at the limit is used. */
 static void viscosity_rises_to_its_limit(void **state) {
     (void)state;

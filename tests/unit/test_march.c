@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The march through time with a solver whose solution is known: the film follows the load by dy/dT
- * = (load - y) / delay, discretised like the contact. */
+/* The march through time, with a solver whose solution is known. The film y of this solver follows
+ * the load: dy/dT = (load - y) / delay. This equation is discretised like a contact. */
 #include "common/program/program.h"
 #include "common/time/bdf.h"
 #include "common/time/march.h"
@@ -15,7 +15,7 @@
 
 enum { MOST_STEPS = 20000 };
 
-/* The solver, its faults and counts of its calls. */
+/* The solver, the faults that a test can cause in it, and counts of its calls. */
 typedef struct follower {
     double delay, first_value;
     // true: the right-hand side is the load of the history; false: it is zero, so y = exp(-T/delay)
@@ -23,18 +23,18 @@ typedef struct follower {
     bdf_ring ring;
     double value[BDF_PREVIOUS + 1];
     double load_of_start;
-    // faults
+    // faults that a test can set
     double fails_after;  // no step beyond this time converges
     size_t fails_at;     // number of the attempt that does not converge
     size_t untrusted_at; // number of the attempt that is not trusted
-    // added by each attempt to the error estimate of the minimum film; 0: none
+    // increase of the error estimate of the minimum film from attempt to attempt; 0: it stays 0
     double indicated_after;
-    double noise;           // added to the error of each step, whatever its length
-    double taken_up;        // error along the path, after each step
+    double noise;           // part of the local error that does not depend on the step's length
+    double taken_up;        // error along the path that each step reports
     double longest_step;    // longer steps exceed the tolerance; 0: no limit
     double hardest_step;    // longer steps do not converge; 0: no limit
     ehd_status breaks_with; // status of an error from attempt fails_at on
-    // counts
+    // numbers of calls
     size_t num_attempts, num_accepted, num_restarts;
     double least_step; // shortest of all attempts
     double restart_time[8];
@@ -99,7 +99,7 @@ static void restart(void *solver) {
     bdf_ring_restart(&self->ring);
 }
 
-/* Starts; with a given approach the resulting load differs from the expected one. */
+/* Starts. With a given approach a test can set a resulting load other than the expected one. */
 static ehd_status start(march_step *outcome, void *solver, const contact_frame *frame,
                         ehd_error *error) {
     follower *self = solver;
@@ -122,10 +122,10 @@ typedef struct run {
     follower follower;
     march march;
     ehd_histories *histories;
-    size_t count; // number of entries
+    size_t count; // number of stored entries
     double time[MOST_STEPS], step[MOST_STEPS], value[MOST_STEPS], local_error[MOST_STEPS];
     contact_frame last;
-    size_t stop_at;        // number of the entry whose store fails
+    size_t stop_at;        // index of the entry that cannot be stored
     ehd_status stops_with; // status of that failure
 } run;
 
@@ -159,7 +159,7 @@ static scene scene_of(const char *transient) {
     return of;
 }
 
-/* Prepares a run up to its start. */
+/* Prepares a run and makes its start. */
 static void run_begin(run *self, const char *transient) {
     scene of = scene_of(transient);
     ehd_error error = {""};
@@ -235,7 +235,7 @@ static void fixed_steps_are_of_second_order(void **state) {
         error[i] = fabs(last_of(&first, first.value) - exp(-2));
         assert_int_equal(first.count, 1 + 100 * (1 << i));
         assert_int_equal(first.follower.num_attempts, 100 * (1 << i));
-        for (size_t k = 0; k < first.count; k++) // exact multiples, without drift
+        for (size_t k = 0; k < first.count; k++) // exact multiples
             check_close(first.time[k], (double)k * first.march.settings.fixed_step, 1e-15, 0);
         run_end(&first);
     }
@@ -287,7 +287,7 @@ static void accepted_steps_keep_the_tolerance(void **state) {
     }
 }
 
-/* The last two steps are equal; the last one is not a small rest. */
+/* The last step is about as long as the step before; it is not a small remainder. */
 static void last_step_is_no_sliver(void **state) {
     (void)state;
     for (int i = 0; i < 20; i++) {
@@ -311,12 +311,12 @@ static void steps_grow_by_two_at_most(void **state) {
         if (k > 1) assert_true(first.step[k] <= 2 * (1 + 1e-9) * first.step[k - 1]);
         longest = fmax(longest, first.step[k]);
     }
-    assert_true(longest > 100 * first.step[1]); // long steps where nothing changes any more
+    assert_true(longest > 100 * first.step[1]); // steps are long once nothing changes any more
     assert_true(first.march.state.num_steps < 400);
     run_end(&first);
 }
 
-/* A pulse after a long rest: steps have to become short again, by rejection. */
+/* The load rises fast after a long rest. Long steps are rejected, so steps become short again. */
 static void pulse_is_followed(void **state) {
     (void)state;
     run_begin(&first, "end_time: 40, tolerance: 1e-3, load: {law: ramp, from: 1, to: 2, "
@@ -367,7 +367,7 @@ static void kinks_are_hit_exactly(void **state) {
     }
 }
 
-/* After a kink between two multiples of the fixed step, times are multiples of it again. */
+/* After a kink between two multiples of the fixed step, times are multiples of the step again. */
 static void fixed_steps_fall_back_on_multiples(void **state) {
     (void)state;
     run_begin(&first, "end_time: 1, fixed_step: 0.08, "
@@ -381,7 +381,7 @@ static void fixed_steps_fall_back_on_multiples(void **state) {
     run_end(&first);
 }
 
-/* Runs as if `steps_before` fixed steps had been made. */
+/* Runs as if `steps_before` fixed steps had been made before. */
 static void run_late(run *self, double step, double steps_before, double end_time,
                      const char *history) {
     char transient[256];
@@ -395,7 +395,8 @@ static void run_late(run *self, double step, double steps_before, double end_tim
     assert_int_equal(run_on(self), EHD_OK);
 }
 
-/* Times stay multiples of the step after many steps, and if the step is not exact as a double. */
+/* Times stay multiples of the step after many steps, also if a double cannot represent the step
+ * exactly. */
 static void fixed_steps_go_on_late_in_time(void **state) {
     static const struct {
         double step, steps_before;
@@ -426,8 +427,8 @@ static void fixed_steps_fall_back_late_in_time(void **state) {
     run_end(&first);
 }
 
-/* By round-off 3 * 0.3 and 0.7 + 0.2 are below 0.9. From such a time to the end or to a multiple,
- * no additional step must be made. */
+/* Because of round-off 3 * 0.3 and 0.7 + 0.2 are less than 0.9. If such a time is next to the end
+ * or to a multiple of the step, the march must make no additional step from one to the other. */
 static void times_that_differ_by_rounding_are_one(void **state) {
     static const char *const transients[] = {
         "end_time: 0.9, fixed_step: 0.3",
@@ -445,8 +446,8 @@ static void times_that_differ_by_rounding_are_one(void **state) {
     }
 }
 
-/* Runs with transport along the path and a linear table. Its times are k/30, with `digits`
- * digits. */
+/* Runs with transport along the path and a linear table. The times of the table are k/30, written
+ * with `digits` digits. */
 static void run_thirtieths(int digits) {
     static const ehd_contact line = {.kind = &contact_line,
                                      .approach_length = 1,
@@ -474,8 +475,8 @@ static void rounded_kinks_make_no_slivers(void **state) {
     leave_folder(state);
 }
 
-/* Runs with thousands of kinks at `distance`, from T = 0.1 on. The short steps must not be taken
- * for a standstill. */
+/* Runs with thousands of kinks from T = 0.1 on. `distance` is the time from kink to kink. In spite
+ * of the short steps, the march must not report a standstill. */
 static void run_many_kinks(double distance, size_t num_kinks, ehd_transport transport) {
     const ehd_contact line = {.kind = &contact_line,
                               .approach_length = 1,
@@ -509,7 +510,7 @@ static void many_kinks_are_no_standstill(void **state) {
  * of the step. */
 static void times_closer_than_a_thousandth_of_the_step_are_one(void **state) {
     static const struct {
-        double start, other; // start of each ramp
+        double start, other; // start of the ramp of the load, and of the speed
         size_t num_steps;
     } cases[] = {{0.30009, 0.30009, 10},   {0.29991, 0.30009, 10},     {0.30011, 9, 11},
                  {0.29989, 9, 11},         {0.35, 0.35004, 11},        {0.35, 0.3502, 12},
@@ -529,7 +530,7 @@ static void times_closer_than_a_thousandth_of_the_step_are_one(void **state) {
             assert_int_equal(entries_at(&first, k * 0.1), 1);
         run_end(&first);
     }
-    // the same with error control
+    // with error control no step is much shorter than the first
     for (int i = 0; i < 2; i++) {
         run_begin(&first, i ? "end_time: 1, tolerance: 1e-3, load: {law: ramp, to: 2, start: 0.5, "
                               "duration: 9}, speed: {law: ramp, to: 2, start: 0.500000001, "
@@ -546,7 +547,7 @@ static void times_closer_than_a_thousandth_of_the_step_are_one(void **state) {
 }
 
 /* Two jumps just before and after a multiple of the step count as one jump, which follows the
- * multiple. A jump at the end that round-off moves to just before the end is left out. */
+ * multiple. A jump that lies just before the end, as by round-off, is left out. */
 static void jumps_beside_multiples_are_one(void **state) {
     (void)state;
     run_begin(&first, "end_time: 1, fixed_step: 0.1, load: {law: step, to: 1.5, at: 0.299999999}, "
@@ -626,7 +627,7 @@ static void failed_step_is_taken_again(void **state) {
     first.follower.fails_at = 4;
     assert_int_equal(run_on(&first), EHD_OK);
     check_close(first.march.state.num_rejected, 1, 0, 0);
-    check_close(first.time[4], 0.325, 1e-12, 0); // a quarter of the step
+    check_close(first.time[4], 0.325, 1e-12, 0); // 0.3 plus a quarter of the step
     for (int k = 0; k <= 10; k++)
         assert_int_equal(entries_at(&first, k * 0.1), 1);
     assert_true(largest_decay_error(&first) < 1e-2);
@@ -643,12 +644,12 @@ static void step_size_underflows(void **state) {
         first.follower.fails_after = 0.52;
         assert_int_equal(run_on(&first), EHD_NOT_CONVERGED);
         assert_non_null(strstr(first.march.reason, "no will"));
-        // steps became too short, or there were too many of them
+        // the march ends because steps are too short or too many
         assert_true(strstr(first.march.reason, "expected above") ||
                     strstr(first.march.reason, "expected them to get further"));
         assert_null(strchr(first.march.reason, '\n'));
         assert_true(first.march.state.time <= 0.52 && first.march.state.time > 0.51);
-        // results until then are kept
+        // the results before the failure are stored
         check_close(last_of(&first, first.time), first.march.state.time, 0, 0);
         check_close(last_of(&first, first.value), exp(-first.march.state.time), 0, 1e-2);
         run_end(&first);
@@ -666,7 +667,7 @@ static void step_size_ends_above_rounding(void **state) {
         if (i == 0)
             first.follower.fails_after = 0.7; // before the jump
         else
-            first.march.settings.tolerance = 1e-9; // steps become ever shorter
+            first.march.settings.tolerance = 1e-9; // many attempts, with ever shorter steps
         if (i == 1) first.follower.fails_after = 1;
         assert_int_equal(run_on(&first), EHD_NOT_CONVERGED);
         assert_non_null(strstr(first.march.reason, "found a step size of "));
@@ -679,7 +680,7 @@ static void step_size_ends_above_rounding(void **state) {
     }
 }
 
-/* A tolerance that no step can meet: all steps are refused by their local error. */
+/* No step can meet this tolerance, so every step is rejected because of its local error. */
 static void noise_underflows(void **state) {
     (void)state;
     run_begin(&first, "end_time: 1, tolerance: 1e-3");
@@ -690,8 +691,8 @@ static void noise_underflows(void **state) {
     run_end(&first);
 }
 
-/* If a shorter step does not reduce the error, steps with this error are accepted, up to the
- * tolerance of the whole run. */
+/* If a shorter step does not reduce the error, the march takes this error as noise and accepts it.
+ * It accepts noise of 10 tolerances, but not of 40 tolerances (PASSAGE in march.c). */
 static void steps_stand_above_noise(void **state) {
     (void)state;
     run_begin(&second, "end_time: 1, tolerance: 1e-3");
@@ -711,8 +712,8 @@ static void steps_stand_above_noise(void **state) {
     run_end(&first);
 }
 
-/* With transport along the path no step is shorter than a quarter of the grid step. If a step had
- * too large an error, its length is not tried again. */
+/* With transport along the path, the shortest step is a quarter of the grid step. If the error is
+ * too large, the march goes on with this step. It does not try a longer step each time. */
 static void steps_along_the_path_stay_at_the_shortest(void **state) {
     (void)state;
     static const ehd_contact line = {.kind = &contact_line,
@@ -730,9 +731,10 @@ static void steps_along_the_path_stay_at_the_shortest(void **state) {
     run_end(&first);
 }
 
-/* Errors along the path that exceed eight tolerances shorten later steps. At four times this value
- * each step's error counts four times, so steps with an error of third order are 4^(1/3) times
- * shorter. Upwind transport has no such errors. */
+/* If the errors along the path exceed eight tolerances, steps become shorter. If they reach 32
+ * tolerances, the error of each step counts four times. This error is of third order in the step,
+ * so the number of steps is 4^(1/3) times as large. With upwind transport these errors do not
+ * count. */
 static void what_films_have_taken_up_shortens_steps(void **state) {
     (void)state;
     static const double tolerances[] = {0, 7.9, 32, 32};
@@ -754,11 +756,11 @@ static void what_films_have_taken_up_shortens_steps(void **state) {
     }
     check_close(num_steps[1], num_steps[0], 0, 0);
     check_close(num_steps[2] / num_steps[0], pow(4, 1. / 3), 0.05, 0);
-    check_close(num_steps[3], num_steps[0], 0.15, 0); // upwind, the tolerance has another order
+    check_close(num_steps[3], num_steps[0], 0.15, 0); // upwind steps follow from another order
 }
 
-/* With transport along the path the first step after a jump has about the shortest length; other
- * steps are longer. */
+/* With transport along the path, the first step after a jump is as short as steps may be. The first
+ * step of the run is longer. */
 static void the_step_after_a_jump_along_the_path_is_short(void **state) {
     (void)state;
     static const ehd_contact line = {.kind = &contact_line,
@@ -789,14 +791,14 @@ static void crawling_ends(void **state) {
     assert_true(first.follower.num_attempts <= 200 && first.march.state.time > 0);
     run_end(&first);
 
-    // fixed steps of which only small parts converge
+    // only steps far shorter than the fixed step converge
     run_begin(&first, "end_time: 1, fixed_step: 0.01");
     first.follower.hardest_step = 1e-6;
     assert_int_equal(run_on(&first), EHD_NOT_CONVERGED);
     assert_non_null(strstr(first.march.reason, "expected them to get further"));
     assert_true(first.follower.num_attempts < MOST_STEPS && first.march.state.time > 0);
     run_end(&first);
-    // steps that are meant to be short do reach the end
+    // if the fixed step itself is short, the march reaches the end
     run_begin(&first, "end_time: 1e-5, fixed_step: 2e-9");
     assert_int_equal(run_on(&first), EHD_OK);
     run_end(&first);
@@ -884,8 +886,8 @@ static void signal_interrupts(void **state) {
 
 // ---- approach
 
-/* With a given approach the load is a result. The approach of the start is the reference approach,
- * and frames are scaled by the predicted load. */
+/* With a given approach the load is a result. The approach at the start is the reference approach.
+ * Frames are scaled by a predicted load. */
 static void approach_scales_by_the_load(void **state) {
     (void)state;
     run_begin(&first, "end_time: 1, fixed_step: 0.1, approach: {law: ramp, from: 1, to: 2, "
@@ -975,7 +977,7 @@ int main(void) {
         cmocka_unit_test(march_goes_on_from_its_state),
         cmocka_unit_test(approach_scales_by_the_load),
         cmocka_unit_test(forecast_of_the_load_is_bounded),
-        cmocka_unit_test(signal_interrupts), // the process stays interrupted: last test
+        cmocka_unit_test(signal_interrupts), // last, because the process stays interrupted
     };
     return cmocka_run_group_tests_name("march", tests, NULL, NULL);
 }

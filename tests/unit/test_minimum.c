@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The minimum of a film between nodes: exact for quartics along and across a valley. */
+/* The minimum of a film between nodes. It is exact if the film is of degree four along a line and
+ * across the lines. */
 #include "common/physics/minimum.h"
 #include "tests/unit/check.h"
 
@@ -10,7 +11,7 @@
 typedef struct valley {
     ehd_grid grid;
     double along, across, third, fourth;
-    double slant;   // shift of the valley along the line, from one line to the next
+    double slant;   // shift of the valley from one line to the next, in grid steps
     size_t missing; // node without a value
 } valley;
 
@@ -66,7 +67,7 @@ static void along_a_slanting_valley(void **state) {
         valley point = valley_at(0.3, -0.4, true);
         point.slant = slant;
         const size_t column = COLUMN + (size_t)lround(0.3 + slant * 0.4 + 10) - 10;
-        const size_t node = LINE * grid_width(&point.grid) + column; // lowest of its line
+        const size_t node = LINE * grid_width(&point.grid) + column; // lowest node of its line
         check_close(minimum_around(&point.grid, node, value_at, &point), 0.3, 1e-13, 0);
     }
 }
@@ -83,7 +84,7 @@ static void of_the_line_where_those_beside_it_are_missing(void **state) {
 
 static void on_the_mirror_line(void **state) {
     (void)state;
-    valley half = valley_at(0.3, -7, true); // the line y = 0 of the valley is line 0
+    valley half = valley_at(0.3, -7, true); // the minimum lies on line 0, the line of symmetry
     half.grid = grid_like(&half.grid, -4, 0.1, 61, 11);
     half.grid.half = true;
     check_close(minimum_around(&half.grid, COLUMN, value_at, &half), 0.3, 1e-13, 0);
@@ -100,7 +101,7 @@ static void nodal_where_it_cannot_be_interpolated(void **state) {
     check_close(minimum_of(&edge), nodal, 0, 0);
     flat.grid.discretization = DISCRETIZATION_PUBLISHED;
     check_close(minimum_of(&flat), nodal, 0, 0);
-    flat = valley_at(8, 0, false); // a slope, whose minimum lies elsewhere
+    flat = valley_at(8, 0, false); // the minimum is eight nodes away
     check_close(minimum_of(&flat), value_at(&flat, COLUMN), 0, 0);
 }
 

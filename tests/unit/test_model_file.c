@@ -279,7 +279,7 @@ static void a_model_comes_back(void **state) {
     }
 }
 
-/* Checks the control rows of a model with all modes and with fewer, and any number of rows. */
+/* A model has all its control rows, also if it is opened with fewer modes and rows. */
 static void control_rows_come_back(void **state) {
     const size_t nodes[] = {90, 2, 60};
     (void)state;
@@ -337,8 +337,9 @@ static void a_prefix_of_the_rows_is_the_model_of_those_rows(void **state) {
     }
 }
 
-/* A training with fewer modes gives the same first modes. Only the beginning of the exit band may
- * differ, which changes the last digits. */
+/* A model that is opened with fewer modes equals a model that was trained with fewer modes, because
+ * the first modes are the same. Only the first node of the exit band may differ. This changes the
+ * last digits. */
 static void a_prefix_of_the_modes_is_the_model_of_those_modes(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
@@ -360,7 +361,8 @@ static void a_prefix_of_the_modes_is_the_model_of_those_modes(void **state) {
     }
 }
 
-/* Computes weights from the first rows and as many Jacobian modes as there are unknowns. */
+/* Computes the weights of the first num_rows rows from the first num_modes Jacobian modes. A model
+ * uses as many of these modes as it has unknowns. */
 static void expected_weights(double *weights, const reduced_basis *basis, size_t num_rows,
                              size_t num_modes) {
     double sampled[NUM_ROWS * NUM_JACOBIAN_MODES];
@@ -380,8 +382,8 @@ static size_t place_of(const reduced_model *model, size_t node) {
     return r;
 }
 
-/* A model that is opened with fewer modes or rows gets weights of its own; the whole model has the
- * stored weights. */
+/* If a model is opened with fewer modes or rows, its weights are computed anew. The whole model has
+ * the stored weights. */
 static void a_part_is_weighed_by_itself(void **state) {
     const struct {
         model_sizes sizes;
@@ -494,7 +496,7 @@ static void bad_models_are_refused(void **state) {
         patch_integer_attribute(places[i].name, places[i].value);
         model_is_refused(&everything, "found");
     }
-    // the band must contain two nodes before an exit
+    // the band must contain two nodes before each exit
     write_model(&model, &bases[1]);
     patch_integer_attribute("least_exit", (long long)model.band.lines[0].begin);
     model_is_refused(&everything, "inside the band");

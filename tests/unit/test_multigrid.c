@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Multigrid cycles on a matrix like that of a contact: pressure flow in both directions in front,
- * entrainment along the lines behind, and nodes without pressure. */
+/* Multigrid cycles on a matrix like the matrix of a contact. In the front part of the grid the
+ * matrix contains pressure flow in both directions. In the rear part it contains entrainment along
+ * the lines, and some nodes have no pressure. */
 #include "fullrun/multigrid.h"
 
 #include "common/physics/ellipse.h"
@@ -20,7 +21,8 @@ static void add(double *row, int line, int column, double value, bool at_mirror)
     row[(line + 1) * CYCLE_COLUMNS + column + CYCLE_BACK] += value;
 }
 
-/* Adds pressure flow along the lines, and `across` times as much across them. */
+/* Adds pressure flow along the lines, and across the lines with a coefficient `across` times as
+ * large. */
 static void add_flow(double *row, double across, bool at_mirror) {
     add(row, 0, 0, -2 - 2 * across, at_mirror);
     for (int side = -1; side <= 1; side += 2) {
@@ -29,7 +31,8 @@ static void add_flow(double *row, double across, bool at_mirror) {
     }
 }
 
-/* Adds the upwind difference of the deflection by the neighbouring nodes. */
+/* Adds the upwind difference of the deflection that the pressures at the node and its neighbours
+ * cause. */
 static void add_entrainment(double *row, bool at_mirror) {
     const double kernel[2][2] = {{3, 0.54}, {0.54, 0.21}}, upwind[3] = {1.5, -2, 0.5};
 
@@ -70,8 +73,8 @@ static void residual(double *y, multigrid *cycle, const double *b, const double 
     }
 }
 
-/* Returns the largest error after some cycles, each of which reduces the residual. The solution is
- * between -1 and 1. */
+/* Returns the largest error after a number of cycles. Each cycle solves for the residual that the
+ * cycles before have left. The exact solution is between -1 and 1. */
 static double error_on(ehd_grid grid, size_t cycles) {
     multigrid *cycle = multigrid_create(&grid, NULL);
     const size_t bytes = grid.num_inner * sizeof(double);
@@ -106,15 +109,15 @@ static double error_after(size_t cycles, size_t cells, bool half) {
     return error_on(grid_with(cells, half), cycles);
 }
 
-/* A grid as small as the coarsest is solved by its factors. */
+/* A grid that is as small as a coarsest grid is solved directly, by factors of its matrix. */
 static void small_grids_take_one_cycle(void **state) {
     (void)state;
     for (int half = 0; half < 2; half++)
         check_close(error_after(1, 32, half), 0, 0, 1e-12);
 }
 
-/* A grid that is narrow in either direction is solved by factors although it is long; its band is
- * narrow. */
+/* A long grid that is narrow in one direction is also solved directly, because the band of its
+ * matrix is narrow. */
 static void narrow_grids_take_one_cycle_and_little_memory(void **state) {
     (void)state;
     const ehd_grid square = grid_with(128, false);
@@ -127,8 +130,8 @@ static void narrow_grids_take_one_cycle_and_little_memory(void **state) {
     assert_true(multigrid_bytes(&square) < 500);
 }
 
-/* Each cycle on two grids reduces the error to 0.22, each on three to 0.35. If the even lines came
- * first, convergence would be slower. */
+/* A cycle with two grids reduces the error by the factor 0.22, a cycle with three grids by 0.35. If
+ * the relaxation solved the even lines first, convergence would be slower. */
 static void cycles_converge_on_any_grid(void **state) {
     (void)state;
     for (size_t cells = 128; cells <= 256; cells *= 2)
@@ -137,9 +140,9 @@ static void cycles_converge_on_any_grid(void **state) {
     assert_true(error_after(8, 128, false) < 1e-4);
 }
 
-/* Cycles also converge with much larger flow across the lines, as in narrow ellipses. If the
- * coarser grids had every second node of a line, the errors on these three grids would be 2e-2,
- * 4e-2 and 1e-3. */
+/* Cycles also converge if the flow across the lines is much larger, as in narrow ellipses. If the
+ * coarser grids had only every second node of each line, the errors of these three ellipses would
+ * be 2e-2, 4e-2 and 1e-3. */
 static void cycles_converge_on_narrow_ellipses(void **state) {
     (void)state;
     for (double ellipticity = 0.05; ellipticity < 0.3; ellipticity *= 2) {
@@ -149,7 +152,7 @@ static void cycles_converge_on_narrow_ellipses(void **state) {
     }
 }
 
-/* A singular matrix of a line is reported. */
+/* If the matrix of a line is singular, multigrid_prepare returns false. */
 static void singular_lines_are_found(void **state) {
     (void)state;
     const ehd_grid grid = grid_with(128, true);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Nonnegative least squares: optimality conditions and known solutions. */
+/* Nonnegative least squares, checked by optimality conditions and known solutions. */
 #include "common/algebra/nnls.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -14,7 +14,7 @@ enum { ROWS = 60, COLUMNS = 90 };
 
 static ehd_error error;
 
-/* Returns a number of [-1, 1), the same in each run. */
+/* Returns the next number of a random sequence in [-1, 1), which is the same in each run. */
 static double next_number(void) {
     static uint64_t seed = 7;
 
@@ -67,8 +67,8 @@ static void solutions_are_optimal(void **state) {
     free(matrix);
 }
 
-/* If the right-hand side is made of nonnegative unknowns, these unknowns are found, with columns of
- * any norm. */
+/* The right-hand side is computed from nonnegative unknowns. The solution equals these unknowns,
+ * although the norms of the columns differ by orders of magnitude. */
 static void what_is_not_negative_is_found_again(void **state) {
     double matrix[ROWS * 20], right[ROWS], x[20], expected[20];
     (void)state;
@@ -104,7 +104,7 @@ static void simple_ones_are_known(void **state) {
     check_close_array(x, ((const double[]){1.5, 0}), 2, 1e-15, 0);
 }
 
-/* Columns may be equal, sums of other columns, or zero. */
+/* A column may equal another column, be a sum of other columns, or be zero. */
 static void columns_may_depend_on_each_other(void **state) {
     enum { NUM = 40 };
     double matrix[ROWS * NUM], right[ROWS], x[NUM];

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Derivatives of the sum of shear stresses over the model's nodes, against differences of this sum. */
+/* Derivatives of the sum of the shear stresses over the model's nodes, compared with finite
+ * differences of this sum. */
 #include "deimselect/cubature.h"
 #include "romrun/state/node_traction.h"
 #include "tests/unit/check.h"
@@ -12,8 +13,8 @@
 
 static const double distance = 1e-5;
 
-/* Returns the derivative by a coordinate. The law of the contact has no stress behind the last node
- * with pressure. */
+/* Returns the derivative of the sum with respect to coordinate j, by a finite difference. With the
+ * law of this contact there is no stress behind the last node with pressure. */
 static double difference(node_state *nodes, double *z, size_t j, const ehd_contact *contact) {
     const contact_scalars scalars = {.load = 1, .exit_position = NAN};
     double sums[2];
@@ -44,7 +45,7 @@ static void check_model(const reduced_model *model, const reduced_basis *basis) 
         ehd_contact contact = sample_contact("barus", "incompressible", 12, 4, basis->grid.step);
         contact.radius = contact.half_width = contact.slide_roll = 1;
         contact.lubricant.shear = laws_find(shear_laws, "limiting");
-        contact.lubricant.shear_constants[0] = contact.lambda; // between the two limits of the law
+        contact.lubricant.shear_constants[0] = contact.lambda; // between the law's two limits
         const size_t exit = basis->states.exit[s] - s % 4;
         double largest = 0;
         memcpy(z, basis->states.coordinates + s * n, n * sizeof *z);
@@ -56,7 +57,7 @@ static void check_model(const reduced_model *model, const reduced_basis *basis) 
             largest = fmax(largest, fabs(gradient[j]));
         assert_true(largest > 0);
         for (size_t j = 0; j < n; j++)
-            // contact_stress_slopes is accurate to 1e-5, by differences
+            // contact_stress_slopes uses finite differences, accurate to 1e-5
             check_close(gradient[j], difference(&nodes, z, j, &contact), 0, 5e-6 * largest);
     }
     arena_free(&memory);

@@ -136,7 +136,7 @@ static void the_library_says_what_it_solved(void **state) {
     check_close(effects.of[EFFECT_STEP], 0.02, 1e-12, 0);
     assert_true(isnan(effects.of[EFFECT_STEP_MINIMUM]) && isnan(effects.of[EFFECT_INLET]));
 
-    // a pressure beyond the limit of the viscosity law, found by the solver and on the whole grid
+    // both the check of all nodes and the solver find a pressure beyond the law's limit
     contact.lubricant.pressure_limit =
         0.98 * result.scalars.central_pressure * contact.hertz_pressure;
     online_result beyond = result;
@@ -148,7 +148,7 @@ static void the_library_says_what_it_solved(void **state) {
     // a rejected solution has no error estimates
     assert_true(isnan(online_indicate(solver, &contact).bound[INDICATED_PRESSURE]));
     contact.lubricant.pressure_limit = INFINITY;
-    // a pressure that is NaN, or negative by more than round-off
+    // a solution is rejected if a pressure is NaN or too far below zero
     const double strange[] = {NAN, -1.1e-3, -0.9e-3};
     for (size_t i = 0; i < 3; i++) {
         online_result judged = result;
@@ -157,7 +157,7 @@ static void the_library_says_what_it_solved(void **state) {
         assert_int_equal(judged.status, i < 2 ? EHD_NOT_CONVERGED : EHD_OK);
     }
 
-    // outside of the trained range: solved, but untrusted
+    // a contact outside of the trained range is solved, but untrusted
     contact_set_moes(&contact, 25, 3);
     check_ok(online_solve(&result, solver, &contact, &error));
     assert_int_equal(result.status, EHD_UNTRUSTED);
@@ -179,7 +179,7 @@ static void the_library_says_what_it_solved(void **state) {
     assert_null(online_solver_free(NULL));
 }
 
-// ---- effects on the host process
+// ---- effects on the process that calls the library
 
 enum { NUM_CONTACTS = 8 };
 
@@ -231,8 +231,8 @@ static void handler_of_host(const char *reason, const char *file, int line, int 
     fail_msg("%s:%d: %s (%d)", file, line, reason, code);
 }
 
-/* GSL calls a handler on errors, which by default ends the process. The library must keep the
- * handler of the host. */
+/* On an error GSL calls a handler, and the default handler ends the process. The library must leave
+ * the handler that the calling program has set. */
 static void the_process_keeps_what_it_has_set(void **state) {
     static const char text[] = "contact: line\nregime: stationary\nmoes: {M: 12, L: 3}\n"
                                "lubricant: {viscosity: {law: wlf, preset: no1}}\n";
@@ -256,7 +256,7 @@ static void the_process_keeps_what_it_has_set(void **state) {
     assert_ptr_equal(gsl_set_error_handler(before), handler_of_host);
 }
 
-/* Two threads together and one thread alone give the same bits. */
+/* Two threads that run at the same time give the same bits as one thread alone. */
 static void a_loaded_model_calls_no_library_that_may_end_the_process(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
@@ -325,7 +325,7 @@ static void fields_are_those_of_the_file_that_was_opened(void **state) {
     rows_model_write(&bases[1], rows, NUM_ROWS, path);
     for (int other = 0; other < 2; other++) {
         check_ok(online_open(&model, path, NULL, &error));
-        // another model replaces the file, with the same rows and fewer modes
+        // the file is replaced by another model, which has the same rows and fewer modes
         reduced_basis fewer = bases[1];
         fewer.num_pressure--;
         if (other) rows_model_write(&fewer, rows, NUM_ROWS, path);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Time steps by the library, as a force element of an integrator of another program. */
+/* Time steps of the library. A program with an integrator of its own uses a contact in this way, as
+ * a force element. */
 #include "common/time/path_filter.h"
 #include "fullrun/full_march.h"
 #include "podbuild/bases.h"
@@ -18,14 +19,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A contact whose load varies by 10 %. Steps are a power of two, so that times are exact. */
+/* A contact whose load varies by 10 %. The step is a power of two, so that all times are exact. */
 static const char scene_of_training[] =
     "contact: line\nregime: transient\nmoes: {M: 12, L: 4}\n"
     "lubricant: {viscosity: {law: barus, alpha: 2e-8}, density: {law: dowson-higginson}}\n"
     "transient: {end_time: 2, fixed_step: 0.015625, load: {law: sine, amplitude: 0.1, period: "
     "1}}\n";
 static const double STEP = 0.015625;
-// with transport along the path the training begins with shorter steps
+// with transport along the path the first steps are shorter, so there are a few more states
 enum { NUM_STEPS = 128, MOST_STATES = NUM_STEPS + 8 };
 
 static size_t num_modes; // number of pressure modes and of deformation modes
@@ -82,7 +83,7 @@ static void training_init(training *self) {
     check_ok(full_march_create(&self->march, &reference, &settings, NAN, &error));
 }
 
-/* Gathers all steps. Only the first one is stationary. */
+/* Gathers the states of all steps. Only the first state is stationary. */
 static void training_gather(snapshot_set *set, const training *self) {
     check_ok(snapshot_set_gather(set, self->states, num_states, reference.kind, &reference.grid,
                                  &error));
@@ -129,7 +130,7 @@ static online_model *make_model(snapshot_set *set, deformation_kind kind, const 
     return opened;
 }
 
-/* Trains with a transport of films on a grid of `step`. */
+/* Trains both models with the setting `transport`, on a grid with the given step. */
 static int set_up(void **state, const char *transport, double step, size_t modes) {
     training self;
     snapshot_set set;
@@ -213,7 +214,7 @@ static online_state step_from(online_transient *contact, double time, double ste
     return state;
 }
 
-/* Makes accepted steps along the history; states[i] is the result of the i-th one. */
+/* Makes accepted steps along the history; states[i] is the result of step first + i. */
 static void go(online_state *states, online_transient *contact, size_t first, size_t count) {
     for (size_t i = 0; i < count; i++) {
         states[i] = step_from(contact, (double)(first + i) * STEP, STEP);
@@ -253,11 +254,11 @@ static bool is_path(void) {
 
 // ---- steps
 
-/* In every step the exit lies between two nodes, at the place where the full model has it. An exit
- * at nodes would be off by up to one grid step, and would jump. */
+/* In every step the exit lies between two nodes, at the exit of the full model. If exits could only
+ * lie at nodes, they would jump and be wrong by up to one grid step. */
 static void the_exit_moves_as_in_the_full_model(void **unused) {
     (void)unused;
-    const double near = is_path() ? 0.1 : 0.03; // in steps of the grid
+    const double near = is_path() ? 0.1 : 0.03; // in grid steps
     for_both_models {
         online_transient *contact = create(models[m]);
         online_state state = start(contact);
@@ -295,7 +296,7 @@ static void a_constant_contact_stays(void **unused) {
 
 static void a_step_can_be_repeated(void **unused) {
     (void)unused;
-    const size_t before = 10, count = 20; // after so many steps there are kept factors
+    const size_t before = 10, count = 20; // after 10 steps the model has kept factors
     for_both_models {
         online_transient *straight = create(models[m]), *repeating = create(models[m]);
         online_state expected[20], first, again;
@@ -322,8 +323,8 @@ static void a_step_can_be_repeated(void **unused) {
 
 // ---- steps of any lengths
 
-/* Returns conditions with a sinusoidal load, or with an approach that varies as much as under this
- * load. */
+/* Returns the conditions of the training, with its sinusoidal load. With `by_approach` the approach
+ * is given instead, and varies about as much as under this load. */
 static online_conditions conditions_of(double time, bool by_approach, double approach) {
     online_conditions conditions = conditions_at(time);
 
@@ -350,8 +351,9 @@ static online_state any_step(any_steps *self, double time, double step) {
     return state;
 }
 
-/* Makes small equal steps from the saved state and restores it; *state is the last result. Returns
- * false if a step does not converge; of 300,000 steps of 1e-9 one did not. */
+/* Makes small equal steps from the saved state, and then restores the saved state. *state is the
+ * result of the last small step. Returns false if a step does not converge. Of 300,000 steps of
+ * 1e-9 one step did not converge. */
 static bool goes_in_small_steps(any_steps *self, online_state *state, double step, size_t parts) {
     const double part = step / (double)parts;
     bool converged = true;
@@ -384,9 +386,9 @@ static double off(const online_state *found, const online_state *expected) {
     return fmax(of.central, of.minimum);
 }
 
-/* Takes a step of random length, 1e-9 to 1 times the period of the load. Like an integrator with a
- * tolerance, it tries shorter steps until one is accepted. Compares the result with that of small
- * steps. */
+/* Makes a step of random length, 1e-9 to 1 times the period of the load. Tries shorter steps until
+ * the local error is below the tolerance, like an integrator. Compares the result with the result
+ * of small steps over the same time. */
 static void take_any_step(any_steps *self, uint64_t *seed, double tolerance) {
     const double shortest = 1e-9, most_parts = 16;
     double step = pow(shortest, random_next(seed));
@@ -405,8 +407,8 @@ static void take_any_step(any_steps *self, uint64_t *seed, double tolerance) {
             const differences of = differences_of(&state, &expected);
             self->most_central = fmax(self->most_central, of.central);
             self->most_minimum = fmax(self->most_minimum, of.minimum);
-            // the tolerance is for the central film; the minimum film was at most 5.0e-3 off in
-            // 50,000 steps with transport along the path
+            // the tolerance is meant for the central film; in 50,000 steps with transport along the
+            // path the largest error of the minimum film was 5.0e-3
             if (of.central > tolerance || of.minimum > (is_path() ? 6 : 1) * tolerance)
                 fail_msg(
                     "T = %g: found a step of %g off by %.3g and %.3g with a local error of %.3g",
@@ -423,9 +425,9 @@ static void take_any_step(any_steps *self, uint64_t *seed, double tolerance) {
     }
 }
 
-/* Takes steps of random lengths, some of them rejected and repeated from saved states. Each result
- * is compared with that of small equal steps over the same time. The environment variable ANY_STEPS
- * sets their number. */
+/* Makes steps of random lengths. Some steps are rejected and repeated from saved states. The result
+ * of each step is compared with the result of small equal steps over the same time. The environment
+ * variable ANY_STEPS sets the number of steps. */
 static void steps_may_have_any_lengths(void **unused) {
     (void)unused;
     const char *asked = getenv("ANY_STEPS");
@@ -456,7 +458,8 @@ static void steps_may_have_any_lengths(void **unused) {
  * with and without this short step. */
 static void a_short_step_leaves_the_next_one_as_it_is(void **unused) {
     (void)unused;
-    // just after the start a short step is a state of its own, and least squares leave a larger error
+    // just after the start a short step does not make a passing state (bdf.h), and least squares
+    // leave a larger error
     const double near = is_path() ? 1e-4 : 1e-6;
     for_both_models {
         online_state states[10];
@@ -496,7 +499,8 @@ static online_state at_approach(online_transient *contact, double approach, doub
     return state;
 }
 
-/* Bodies start apart, touch and part again. A saved state contains whether they are apart. */
+/* The bodies start apart, touch and part again. A saved state contains whether the bodies are
+ * apart. */
 static void a_contact_is_lost_and_regained(void **unused) {
     (void)unused;
     const double step = 0.02, stroke = 1, middle = -0.6;
@@ -539,9 +543,9 @@ static void a_contact_is_lost_and_regained(void **unused) {
     }
 }
 
-/* Bodies that are apart reach a given approach in one step. They get the load of this approach,
- * even if the lightest contact, from which the start begins, is not trusted. At rest the load is
- * the same, but untrusted. */
+/* Bodies that are apart reach a given approach in one step, and the result has the load of this
+ * approach. Inside the step a start begins with the lightest contact, which may be untrusted. At
+ * rest the load is the same, but untrusted. */
 static void bodies_touch_at_the_approach_that_is_given(void **unused) {
     (void)unused;
     for_both_models {
@@ -573,7 +577,7 @@ static void bodies_touch_at_the_approach_that_is_given(void **unused) {
     }
 }
 
-/* Without a load the bodies are apart, and their gap is not known. Under a load they touch again. */
+/* Without a load the bodies are apart, and their gap is unknown. Under a load they touch again. */
 static void without_a_load_there_is_no_contact(void **unused) {
     (void)unused;
     for_both_models {
@@ -596,7 +600,7 @@ static void without_a_load_there_is_no_contact(void **unused) {
     }
 }
 
-/* A mass that falls on the contact and is thrown back. It is about as large as the one in
+/* A mass that falls on the contact and is thrown back. It is about as large as the mass in
  * scenes/examples/oscillator. Units: T for time, H0 for lengths, the contact's unit for forces. */
 typedef struct bouncing {
     online_transient *contact;
@@ -605,8 +609,8 @@ typedef struct bouncing {
 
 static const double BOUNCING_MASS = 0.0138, BOUNCING_WEIGHT = 0.3;
 
-/* Makes a step of the trapezoidal rule and does not accept it. The secant method finds the position
- * that fits the contact's force. */
+/* Makes a step of the trapezoidal rule without accepting it. The secant method finds the position
+ * at which the equation of motion holds with the contact's force. */
 static bool find_position(online_state *state, const bouncing *self, double step) {
     const double half = step * step / (4 * BOUNCING_MASS), near = 1e-10;
     const double drift =
@@ -619,18 +623,19 @@ static bool find_position(online_state *state, const bouncing *self, double step
         if (state->status == EHD_NOT_CONVERGED) return false;
         defect = position - drift - half * state->scalars.load;
         if (fabs(defect) < near) {
-            state->scalars.rigid_approach = position; // least squares change the approach by 1e-9
+            state->scalars.rigid_approach = position; // least squares leave an error of 1e-9
             return true;
         }
         if (trial > 0) slope = (before - defect) / correction;
-        if (!(fabs(slope) > 0.05)) slope = 1; // the force rises suddenly between the two positions
+        if (!(fabs(slope) > 0.05)) slope = 1; // the force jumps between the positions
         correction = defect / slope;
         position -= correction;
     }
     return false;
 }
 
-/* Makes a step of 0.01 or, if that does not converge, of 1/2, 1/4 … of it. Returns the impulse. */
+/* Makes a step of 0.01. If the step does not converge, halves it until it does. Returns the
+ * impulse. */
 static double bounce_on(bouncing *self) {
     double step = 0.01;
     online_state state;
@@ -648,9 +653,9 @@ static double bounce_on(bouncing *self) {
     return impulse;
 }
 
-/* From each fall to the loss of the contact the momentum changes by the impulse of the reported
- * force. The momentum is found from positions of the mass. The environment variable BOUNCES sets
- * the number of falls. */
+/* From the start of each fall to the loss of the contact, the momentum changes by the impulse of
+ * the reported force and of the weight. The momentum follows from positions of the mass. The
+ * environment variable BOUNCES sets the number of falls. */
 static void a_bouncing_mass_gets_the_impulse_of_the_force(void **unused) {
     (void)unused;
     const char *asked = getenv("BOUNCES");
@@ -662,7 +667,7 @@ static void a_bouncing_mass_gets_the_impulse_of_the_force(void **unused) {
     for (size_t i = 0; i < count; i++) {
         double impulse = 0, sum = 0;
         self.position =
-            0.05 + 0.15 * random_next(&seed); // nearer, a contact under a light load could exist
+            0.05 + 0.15 * random_next(&seed); // nearer bodies could touch under a light load
         self.velocity = self.force = 0;
         check_close(at_approach(self.contact, self.position, 0).scalars.load, 0, 0, 0);
         for (bool was = false; self.force > 0 || !was; was = was || self.force > 0) {
@@ -719,8 +724,8 @@ static online_derivatives differentiate(online_transient *contact, online_direct
     return found;
 }
 
-/* Checks derivatives; differences contain errors of the iterations, and sometimes an exit that
- * passes a node. */
+/* Compares derivatives with finite differences. The differences contain errors of the iterations,
+ * and sometimes the exit passes a node. */
 static void check_tangent(online_transient *contact, const online_conditions *at) {
     const bool by_load = isnan(at->approach);
     const online_direction held = {by_load ? 0 : NAN, by_load ? NAN : 0, 0, 0, 0};
@@ -789,9 +794,9 @@ static void derivatives_leave_the_contact_as_it_is(void **unused) {
     }
 }
 
-/* Under a slow and small oscillation of the load the approach is A sin wT + w B cos wT. When the
- * load passes its mean, rising and falling, the approach differs by +-w B; at the maximum of the
- * load it differs by A. BDF2 has an error of 0.2 %. */
+/* Under a small and slow oscillation sin wT of the load, the approach oscillates by A sin wT + w B
+ * cos wT. At the maximum of the load this is A. When the load passes its mean, rising or falling,
+ * it is +w B or -w B. BDF2 has an error of 0.2 %. */
 static void the_stationary_response_is_that_to_a_slow_swing(void **unused) {
     (void)unused;
     enum { A_QUARTER = 20, NUM = 8 * A_QUARTER };
@@ -818,7 +823,7 @@ static void the_stationary_response_is_that_to_a_slow_swing(void **unused) {
             (approach[8 * A_QUARTER] - approach[6 * A_QUARTER]) / (2 * swing * frequency);
         check_close(response.stiffness, -1 / A, 1e-3, 0);
         check_close(response.damping, B / (A * A), 5e-3, 0);
-        // the model was trained on transients
+        // the bound is small because the model was trained on transient runs
         assert_true(response.damping_bound < 1e-3 * response.damping);
         online_transient_free(contact);
     }
@@ -881,8 +886,8 @@ static void fields_are_those_of_the_accepted_state(void **unused) {
         for (size_t k = 0; k < grid->num_nodes; k++)
             load += pressure[k] * grid->step;
         check_close(load / reference.kind->load * width * width, last->scalars.load, 1e-9, 0);
-        // also with an independent basis this is the deflection of the pressure, not the sum of
-        // modes
+        // also with an independent basis the film contains the deflection that the pressure causes,
+        // not the sum of the deformation modes
         check_close(film[centre] * film_scale, last->scalars.central_film_thickness,
                     m == 0 ? 1e-9 : 1e-6, 0);
         // p_H / p_H,ref = load / half width
@@ -908,11 +913,11 @@ static void a_saved_state_goes_on_to_the_bit(void **unused) {
         go(expected, one, 0, before);
         online_save(saved, one);
         go(expected, one, before, count);
-        // restored into the same object, which has made steps since then
+        // restore the state into the same object, which has made more steps
         check_ok(online_restore(one, saved, &error));
         go(found, one, before, count);
         check_all_same(found, expected, count);
-        // restored into a new object, which has made a step that was not accepted
+        // restore the state into a new object, which then makes a step that is not accepted
         check_ok(online_restore(other, saved, &error));
         step_from(other, (double)before * STEP, 2 * STEP);
         go(found, other, before, count);
@@ -931,8 +936,8 @@ static void a_saved_state_goes_on_to_the_bit(void **unused) {
     }
 }
 
-/* A state can be saved at any step of the start, when kept factors are renewed, and after steps
- * shorter than the grid step. */
+/* A state can be saved after each of the first steps, when kept factors are renewed, and after
+ * steps shorter than the grid step. */
 static void any_state_can_be_saved(void **unused) {
     (void)unused;
     for_both_models {
@@ -987,7 +992,7 @@ static void no_state_is_refused(void **unused) {
         wrong[i] = NAN;
         assert_int_equal(online_restore(contact, wrong, &error), EHD_DATA);
         assert_non_null(strstr(error.text, "saved state: found"));
-        // a state that was restored in part is not continued from
+        // no step can be made after a state was restored only in part
         assert_int_equal(online_step(&state, contact, &conditions, STEP, &error), EHD_INTERNAL);
     }
     check_ok(online_restore(contact, saved, &error));
@@ -1003,7 +1008,7 @@ enum { THREAD_STEPS = 60 };
 
 typedef struct element {
     online_transient *contact;
-    size_t first; // step of the history at which it starts
+    size_t first; // step of the history at which the element starts
     online_state states[THREAD_STEPS];
 } element;
 
@@ -1096,7 +1101,7 @@ static void march_run_takes_the_same_steps(void **unused) {
                         0);
             check_close(state.scalars.rigid_approach, expected.rigid_approach, 0, 0);
             check_close(state.scalars.load, expected.load, 0, 0);
-            if (!is_path()) // with transport along the path the march uses a factor of its own
+            if (!is_path()) // along the path the march multiplies this error
                 check_close(state.local_error, step->local_error, 0, 0);
             assert_int_equal(state.iterations, step->iterations);
         }
@@ -1107,11 +1112,11 @@ static void march_run_takes_the_same_steps(void **unused) {
 
 // ---- approach and force
 
-/* Makes steps with the approaches that a run under a given load had. These steps must give the same
- * load. */
+/* Makes steps with the approaches of a run under a given load. These steps must give the same load
+ * as that run. `known`: the load is also given, for the frames. */
 static void follow_approach(const online_state *by_load, online_transient *contact, bool known,
                             double tolerance) {
-    const size_t before = known ? 0 : 10; // until the rate of the load is known
+    const size_t before = known ? 0 : 10; // steps after which the load's rate is known
     online_state states[10];
 
     start(contact);
@@ -1131,8 +1136,8 @@ static void follow_approach(const online_state *by_load, online_transient *conta
     }
 }
 
-/* If the contact predicts its frames itself, the result differs a little more on this coarse
- * grid. */
+/* If no load is given with the approach, the contact predicts a load for its frames. On this coarse
+ * grid the result then differs a little more. */
 static void the_approach_gives_the_load_back(void **unused) {
     (void)unused;
     for_both_models {
@@ -1157,13 +1162,13 @@ static void a_start_from_an_approach_finds_its_load(void **unused) {
                 .load = load, .approach = NAN, .speed = 1, .radius = 1, .modulus = 1};
             online_state by_load, by_approach;
             check_ok(online_transient_start(&by_load, contact, &conditions, &error));
-            if (by_load.status == EHD_NOT_CONVERGED) continue; // far outside of the training
+            if (by_load.status == EHD_NOT_CONVERGED) continue; // far from any trained load
             conditions.load = NAN;
             conditions.approach = by_load.scalars.rigid_approach;
             check_ok(online_transient_start(&by_approach, contact, &conditions, &error));
             assert_int_not_equal(by_approach.status, EHD_NOT_CONVERGED);
-            // least squares with another closure leave other errors, which are larger outside of
-            // the training
+            // the least squares of the two starts have different closures, so their errors differ,
+            // and more outside of the training
             const double near = fabs(load - 1) < 0.1 ? 1e-6 : load > 0.8 && load < 1.6 ? 1e-4 : 0.1;
             check_close(by_approach.scalars.load, load, near, 0);
             check_close(by_approach.half_width, sqrt(load), near, 0);
@@ -1268,8 +1273,8 @@ static void what_was_not_trained_is_not_trusted(void **unused) {
     }
 }
 
-/* Changes the load by `rate` for a short time, in steps far shorter than the grid's. The second
- * contact gets the approaches of the first one. Returns the last results. */
+/* Changes the load by `rate` for a short time. In each step the fluid moves far less than a grid
+ * step. The second contact gets the approaches of the first contact. Returns the last results. */
 static void change_load(online_state last[2], online_transient *const contacts[2], double rate) {
     const double step = 1e-4;
 
@@ -1324,8 +1329,8 @@ static void a_step_allocates_nothing(void **unused) {
     }
 }
 
-/* HDF5, FFTW and GSL may end the process, so no call may use them, from the creation of the object
- * to its end. */
+/* HDF5, FFTW and GSL may end the process. Therefore no call may use these libraries, from the
+ * creation of the contact to its end. */
 static void a_prepared_model_calls_no_library_that_may_end_the_process(void **unused) {
     (void)unused;
     const size_t num_nodes = reference.grid.num_nodes;
@@ -1401,7 +1406,7 @@ int main(void) {
         cmocka_unit_test(memory_may_fail),
     };
 
-    // tests of the stationary contact, which does not depend on the transport
+    // these tests are about stationary contacts, which do not depend on the transport
     const struct CMUnitTest of_upwind[] = {
         cmocka_unit_test(the_stationary_response_is_that_to_a_slow_swing),
         cmocka_unit_test(a_start_from_an_approach_finds_its_load),

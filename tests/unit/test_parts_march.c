@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Steps by two reduced models in turn, one for small and one for large loads. With a mode for every
- * node both models are equal, so a change of the model must not change the result. */
+/* A march with two reduced models, one for light and one for heavy loads. Here both models have a
+ * mode for every node and are equal, so a change of the model must not change the result. */
 #include "romrun/online/parts_march.h"
 #include "tests/unit/marching.h"
 
@@ -30,8 +30,8 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* Returns a basis whose trained range is that of the training, with all loads multiplied by a
- * factor. */
+/* Returns a basis with a mode for every node. Its trained range is the range of the training, with
+ * all loads multiplied by the factor `load`. */
 static reduced_basis part_basis(const trained *of, deformation_kind kind, const double *weight,
                                 double load) {
     reduced_basis nodes = marching_nodes(of, kind, weight);
@@ -46,7 +46,8 @@ static reduced_basis part_basis(const trained *of, deformation_kind kind, const 
     return nodes;
 }
 
-/* Models of both parts, or of one part for all loads, and the results of each step. */
+/* A march with two parts, or with one part for all loads, and the results of each step. A part is a
+ * reduced model for a part of the range of loads. */
 typedef struct run {
     reduced_basis bases[2];
     marching parts[2];
@@ -78,8 +79,8 @@ static void keep(run *self, const march_step *step, size_t i) {
     self->part[i] = parts_march_attempted(self->march);
 }
 
-/* Starts a run of a contact with M = 12. The training's loads are 8 to 20, so the low part covers M
- * = 5 to 12.4 and the high part M = 11.2 to 28. */
+/* Starts a run of a contact with M = 12. The training covers M = 8 to 20. The low part covers M = 5
+ * to 12.4, and the high part M = 11.2 to 28. */
 static void run_init(run *self, const trained *of, deformation_kind kind, const double *weight,
                      size_t num_parts, bool path) {
     const double loads[] = {0.62, 1.4};
@@ -136,8 +137,8 @@ static void check_parts(const trained *of, deformation_kind kind, const double *
     check_close_array(both->film, one->film, NUM_STEPS + 1, of_film, 0);
     check_close_array(both->least_film, one->least_film, NUM_STEPS + 1, of_least, 0);
     check_close_array(both->exit, one->exit, NUM_STEPS + 1, of_film, 0);
-    // the run starts well inside the range of the high part, keeps this part in the common range,
-    // and returns to it
+    // The start lies well inside the range of the high part, so the run starts with this part.
+    // While the load is in both ranges, the run keeps the part that it has.
     assert_int_equal(both->part[0], HIGH);
     assert_int_equal(both->part[13], HIGH);
     assert_int_equal(both->part[26], HIGH); // load 0.98
@@ -164,16 +165,17 @@ static void parts_of_one_model_are_that_model(void **state) {
     }
 }
 
-/* The two runs start from different trained states, so exits of outer lines sometimes differ by one
- * node (1/8). After 64 steps the central film differs by 9e-4. The smallest film, which lies at
- * these exits, differs by up to 1 %. */
+/* The two runs start from different trained states, so exits on outer lines sometimes differ by one
+ * node (1/8). After 64 steps the central film differs by 9e-4. The minimum film lies at these exits
+ * and differs by up to 1 %. */
 static void of_a_point_contact(void **state) {
     (void)state;
     check_parts(&trained_on.point, DEFORMATION_COUPLED, trained_on.point_basis.weight, true, 2e-3,
                 2e-2);
 }
 
-/* A rejected attempt by another part does not change the following steps. */
+/* An attempt that is not accepted may be made by another part. It does not change the following
+ * steps. */
 static void attempts_that_are_not_accepted(void **state) {
     (void)state;
     run *plain = malloc(sizeof *plain), *tried = malloc(sizeof *tried);
@@ -234,7 +236,8 @@ static void saved_and_restored(void **state) {
     free(other);
 }
 
-/* Returns a frame one step after the start, with a load or, unless NaN, with an approach. */
+/* Returns a frame one step after the start. If `approach` is not NaN, the approach is given and the
+ * load is a prediction. */
 static contact_frame frame_of(const run *self, double load, double approach) {
     contact_frame frame =
         frame_at(self->parts[0].reference.kind, STEP, (double[]){load, 1, 1, 1}, approach);
@@ -243,11 +246,11 @@ static contact_frame frame_of(const run *self, double load, double approach) {
     return frame;
 }
 
-/* With a given approach a part is chosen by a predicted load. The resulting load may lie in the
- * range of the other part. */
+/* With a given approach the part is chosen for a predicted load. If the resulting load lies only in
+ * the range of the other part, the other part makes the step. */
 static void by_the_load_that_an_approach_leads_to(void **state) {
     (void)state;
-    const double light = 0.9, guess = 0.95; // range of the low part only; range of both parts
+    const double light = 0.9, guess = 0.95; // `light`: only the low range; `guess`: both
     run *self = malloc(sizeof *self);
     march_step step = {.status = EHD_OK};
 
@@ -268,7 +271,7 @@ static void by_the_load_that_an_approach_leads_to(void **state) {
     assert_int_equal(parts_march_attempted(self->march), LOW);
     check_close(step.scalars.load * guess, light, 0, 1e-3);
 
-    // the same at a start
+    // a start chooses the part in the same way
     frame = frame_of(self, light, NAN);
     check_ok(solver->start(&step, solver->self, &frame, &error));
     approach = frame_to_reference(&step.scalars, &frame, &self->parts[0].reference).rigid_approach;
@@ -281,8 +284,9 @@ static void by_the_load_that_an_approach_leads_to(void **state) {
     free(self);
 }
 
-/* Pressure that the modes of the next part cannot represent would change the whole film of this
- * part, so the mean film is kept. */
+/* The modes of the next part cannot represent the whole pressure of the last state. Without a
+ * correction this error would change its whole film. The approach is therefore changed so that the
+ * mean film, weighted by the pressure, stays the same. */
 static void a_handed_film_is_as_thick_in_the_mean(void **state) {
     (void)state;
     const ehd_contact contact = marching_contact(&trained_on.line, 12, true);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The filter of films that are carried along the path. */
+/* The filter that smooths films with transport along the path. */
 #include "common/time/path_filter.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -12,7 +12,7 @@ static ehd_grid line_grid(double step) {
     return grid_of(-2, step, (size_t)round(4 / step) + 1, 1, false, DISCRETIZATION_ACCURATE);
 }
 
-/* Returns filtered values of a function on one line; free them. */
+/* Returns the filtered values of a function at the nodes of one line. The caller frees them. */
 static double *filtered(const ehd_grid *grid, double length, double (*of)(double x, double k),
                         double k, size_t line) {
     const size_t width = grid_width(grid);
@@ -32,7 +32,8 @@ static double polynomial(double x, double k) {
     return 1 + x * (2 + x * (3 + x * (4 - 5 * x)));
 }
 
-/* Polynomials of degree four pass, also on a fine grid, where the matrix is ill-conditioned. */
+/* The filter does not change polynomials of degree four, even on a fine grid, where the filter's
+ * matrix is ill-conditioned. */
 static void polynomials_of_degree_four_pass(void **state) {
     (void)state;
     for (double step = 0.01; step > 0.001; step /= 2) {
@@ -48,14 +49,14 @@ static double wave(double x, double k) {
     return cos(k * x) * exp(-pow(x / 0.4, 8));
 }
 
-/* Compares a filtered wave at the centre, where the filter's length hardly varies, with theory. */
+/* Compares a filtered wave at the centre with theory. There the filter's length hardly varies. */
 static void waves_shorter_than_the_length_are_damped(void **state) {
     const double length = 0.05, step = 0.005;
     const ehd_grid grid = line_grid(step);
     const size_t centre = (size_t)round(2 / step) + 1;
     (void)state;
     for (double k = 10; k < 100; k *= 1.5) {
-        const double difference = 2 * sin(k * step / 2) / step; // for the wave number k
+        const double difference = 2 * sin(k * step / 2) / step; // finite difference instead of k
         const double expected = 1 / (1 + pow(difference * length / 2, 2 * PATH_FILTER_ORDER));
         double *values = filtered(&grid, length, wave, k, 0);
         check_close(values[centre], expected, 0, 0.02);
@@ -67,8 +68,8 @@ static double spike(double x, double k) {
     return fabs(x - k) < 1e-9 ? 1 : 0;
 }
 
-/* The value of a node spreads over its neighbours with a constant sum. It spreads less near the
- * rim, and not beyond it. */
+/* The filter spreads the value of a node over the neighbouring nodes and keeps the sum. Towards the
+ * rim of the dry contact a value spreads less, and beyond the rim not at all. */
 static void the_sum_is_kept_and_the_rim_left_alone(void **state) {
     const ehd_grid grid = line_grid(0.01);
     (void)state;
@@ -86,7 +87,8 @@ static void the_sum_is_kept_and_the_rim_left_alone(void **state) {
     check_close(last, 1, 0, 0);
 }
 
-/* Each line of a point contact has its own filter length; lines beyond the rim are not filtered. */
+/* On each line of a point contact the filter has another length. Lines beyond the rim of the dry
+ * contact are not filtered. */
 static void lines_across_go_by_their_distance(void **state) {
     const ehd_grid grid = grid_of(-2, 0.02, 201, 76, true, DISCRETIZATION_ACCURATE);
     (void)state;
@@ -133,7 +135,7 @@ static void the_length_goes_with_the_tolerance(void **state) {
     check_close(path_filter_length(&contact), 0.014, 1e-15, 0);
     contact.time_tolerance = 1.5e-3 / 8;
     check_close(path_filter_length(&contact), 0.007, 1e-12, 0);
-    contact.time_tolerance = 1e-9; // a length of at least 0.85 steps
+    contact.time_tolerance = 1e-9; // the length is at least 0.85 grid steps
     check_close(path_filter_length(&contact), 0.85 * 0.0025, 1e-12, 0);
     contact.smoothing = 0;
     check_close(path_filter_length(&contact), 0, 0, 0);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The reduced march along the path of the fluid, for lines and points. */
+/* The march of the reduced model with transport along the path, for lines and points. */
 #include "common/physics/minimum.h"
 #include "fullrun/full_march.h"
 #include "tests/unit/marching.h"
@@ -13,13 +13,13 @@ enum { STATE = 6 }; // training state with which a march starts
 
 static const double STEP = 0.02;
 
-/* A training and its bases; for a point contact on half the grid. */
+/* A training and its bases. A point contact has half of a grid. */
 typedef struct problem {
     trained training;
-    reduced_basis basis, nodes; // `nodes`: every node is a mode
+    reduced_basis basis, nodes; // `nodes` has one mode for every node
 } problem;
 
-enum { LINE, POINT, OPEN_POINT, NUM_PROBLEMS }; // 121 nodes; 33 by 17 nodes; 33 by 17 nodes
+enum { LINE, POINT, OPEN_POINT, NUM_PROBLEMS }; // line: 121 nodes; points: 33 by 17 nodes
 
 static problem problems[NUM_PROBLEMS];
 static ehd_error error;
@@ -38,7 +38,7 @@ static int set_up(void **state) {
         self->nodes = identity_basis(&self->training.set, DEFORMATION_COUPLED, self->basis.weight);
         reduced_states *const both[] = {&self->basis.states, &self->nodes.states};
         for (int i = 0; i < 2; i++)
-            both[i]->rate[0] = both[i]->load_rate[0] = INFINITY; // any rate is inside the training
+            both[i]->rate[0] = both[i]->load_rate[0] = INFINITY; // every rate counts as trained
         for (size_t l = 0; l < self->basis.states.num_lines; l++)
             if (grid_is_inner_line(&self->nodes.grid, l))
                 self->nodes.states.exit[l] = grid_width(&self->nodes.grid) - 2;
@@ -83,7 +83,7 @@ static void marching_init(marching *self, const problem *from, bool full_rank, b
     assert_int_not_equal(self->last.status, EHD_NOT_CONVERGED);
 }
 
-/* Starts again, with error estimates of the films. */
+/* Starts the march again, now with error estimates of the films. */
 static void indicate_bounds(marching *self) {
     const contact_frame start = frame_after(self, 0, 1);
 
@@ -98,8 +98,8 @@ static void step_on(march_step *last, const march_solver *solver, const contact_
     solver->accept(solver->self);
 }
 
-/* Returns the iterations of twenty steps with this time-step tolerance, and the central film at
- * their end. */
+/* Returns the number of iterations of twenty steps with this time-step tolerance. *film: central
+ * film after these steps. */
 static size_t iterations_with(double *film, double tolerance) {
     const size_t num_steps = 20;
     marching self;
@@ -117,8 +117,8 @@ static size_t iterations_with(double *film, double tolerance) {
     return all - before;
 }
 
-/* With a time-step tolerance there are fewer iterations. This changes the film less than the errors
- * of the steps do. */
+/* If a tolerance of the time steps is set, the solver makes fewer iterations. The resulting change
+ * of the film is much smaller than this tolerance. */
 static void a_tolerance_of_the_steps_saves_iterations(void **state) {
     (void)state;
     const double tolerance = 1.5e-3;
@@ -147,8 +147,8 @@ static void constant_conditions_keep_the_stationary_state(void **state) {
     }
 }
 
-/* A step whose film is far from its prediction is refused, as in the full model. The march repeats
- * it with a shorter length; the previous states stay. */
+/* As in the full model, a step is rejected if its film is far from the prediction. The march then
+ * repeats the step with a shorter length, from the same previous states. */
 static void a_film_far_from_its_prediction_is_not_taken(void **state) {
     (void)state;
     for (size_t p = 0; p < NUM_PROBLEMS; p++) {
@@ -172,9 +172,9 @@ static void a_film_far_from_its_prediction_is_not_taken(void **state) {
     }
 }
 
-/* Compares steps of a basis with a mode for each node with the full model. They are only nearly
- * equal, because the full model also filters remainders of pressures cut at an exit, and products
- * of filtered fields. */
+/* Compares the full model with a reduced model that has a mode for each node. The results are only
+ * nearly equal, because the two models filter different fields. The full model also filters the
+ * rest of a pressure that is cut at an exit, and products of filtered fields. */
 static void march_as_the_full_model(const problem *of, bool compressible, double others,
                                     size_t num_steps, double central, double minimum) {
     const double bound = of->basis.grid.inner_lines > 1 ? 1e-3 : 1e-6;
@@ -198,12 +198,13 @@ static void march_as_the_full_model(const problem *of, bool compressible, double
         check_close(self.last.scalars.central_film_thickness, film, central, 0);
         check_close(self.last.scalars.minimum_film_thickness, step.scalars.minimum_film_thickness,
                     minimum, 0);
-        // on this coarse grid the reduced model leaves out four nodes more before the exit
+        // near the exit the reduced model leaves out four more nodes, which matters on this coarse
+        // grid
         assert_true(self.last.local_error <= 1.1 * step.local_error);
         assert_true(self.last.local_error >= 0.2 * step.local_error);
-        // the residuals of all rows vanish
+        // the estimate is almost zero, because the residuals of all rows are zero
         assert_true(self.last.indicated < bound);
-        // within a margin at the exit the reduced model reports no errors
+        // the reduced model does not count errors close to the exit
         assert_true(self.last.taken_up <= 1.5 * step.taken_up);
         assert_true(self.last.taken_up >= 0.6 * step.taken_up);
         effects += step.effect * step.effect;
@@ -212,7 +213,7 @@ static void march_as_the_full_model(const problem *of, bool compressible, double
         most = fmax(most, film);
     }
     assert_true(most > 1.04 * least);
-    // the effects differ, since the models carry them by splines at different places
+    // the effects differ, because the two models interpolate them by splines at different places
     assert_true(effects > 0 && sqrt(off / effects) < (of == &problems[OPEN_POINT] ? 0.5 : 0.25));
     full_march_free(full);
     marching_free(&self);
@@ -226,21 +227,22 @@ static void full_rank_marches_as_the_full_model(void **state) {
     }
 }
 
-/* Points agree as well as with upwind transport. Splines differ at the ends of the grid. From the
- * fifteenth step on exits move outwards, and exits of the reduced model lag by a node. */
+/* Point contacts agree as well as with upwind transport. The two models have different splines at
+ * the ends of the grid. Only ten steps are compared: from the fifteenth step on exits move
+ * outwards, and the exits of the reduced model lag by a node. */
 static void so_does_a_point(void **state) {
     (void)state;
     for (int others = 0; others < (check_all() ? 2 : 1); others++) {
         march_as_the_full_model(&problems[POINT], false, 0.004 * others, 10, 1e-5, 2e-4);
         march_as_the_full_model(&problems[POINT], true, 0.004 * others, 10, 1e-5, 2e-4);
     }
-    // here the exit at Y = 0 moves in the third step, and the full model filters the pressure that
-    // this exit cuts off
+    // With the open boundary the exit at Y = 0 moves in the third step. The full model then also
+    // filters the pressure that this exit cuts off.
     march_as_the_full_model(&problems[OPEN_POINT], false, 0, 10, 1e-3, 3e-3);
     march_as_the_full_model(&problems[OPEN_POINT], true, 0, 10, 1e-3, 3e-3);
 }
 
-/* Half of a point contact gives the same results as the whole, including exits. */
+/* Half of a point contact gives the same films and exits as the whole contact. */
 static void the_half_marches_as_the_whole(void **state) {
     (void)state;
     const problem *half = &problems[OPEN_POINT];
@@ -274,8 +276,9 @@ static bool is_on_the_way(const ehd_grid *grid, size_t row) {
     return grid_x(grid, k) > -1 && grid_x(grid, k) < 0.1 && fabs(grid_y(grid, k)) < 0.1;
 }
 
-/* Checks the local error on the way to the centre; it is evaluated at nodes. A model that has only
- * one row on this way must not report a smaller error than a model with all rows. */
+/* Checks the local error, which a film accumulates on its way to the centre. It is evaluated at
+ * nodes, not at rows: a model with only one row on this way must not report a much smaller error
+ * than a model with all rows. */
 static void check_error_of_few_rows(const problem *of) {
     const ehd_grid *grid = &of->basis.grid;
     size_t *rows = calloc(grid->num_inner, sizeof *rows), num_rows = 0, on_the_way = 0;
@@ -296,7 +299,8 @@ static void check_error_of_few_rows(const problem *of) {
         step_on(&all.last, &all.solver, &frame, STEP);
         step_on(&few.last, &few.solver, &frame, STEP);
         assert_true(few.last.local_error >= 0.8 * all.last.local_error);
-        // the few stationary modes of a line do not carry a film where no row forces them to
+        // with the few stationary modes of a line, the film does not move with the fluid where no
+        // row requires this, so the error may be larger
         assert_true(of == &problems[LINE] || few.last.local_error <= 1.25 * all.last.local_error);
         largest = fmax(largest, all.last.local_error);
     }
@@ -308,13 +312,13 @@ static void check_error_of_few_rows(const problem *of) {
 
 static void few_rows_tell_the_error_of_all(void **state) {
     (void)state;
-    for (size_t p = 0; p < OPEN_POINT; p++) // with the open boundary the exit moves too soon
+    for (size_t p = 0; p < OPEN_POINT; p++) // not OPEN_POINT, whose exit moves too soon
         check_error_of_few_rows(&problems[p]);
 }
 
-/* The few modes of stationary states have errors while the contact varies, up to path 0.5. An error
- * in the inlet appears in the estimate of the centre when its fluid arrives there, 0.85 farther. It
- * disappears when this fluid has left. */
+/* The contact varies until the fluid has moved by 0.5, and meanwhile the few stationary modes have
+ * errors. An error in the inlet changes the estimate for the centre only when its fluid arrives at
+ * the centre, after a path of about 0.85. The estimate falls again when this fluid has left. */
 static void what_is_indicated_comes_with_the_fluid(void **state) {
     (void)state;
     double before = 0, there = 0, after = 0;
@@ -336,8 +340,8 @@ static void what_is_indicated_comes_with_the_fluid(void **state) {
     marching_free(&self);
 }
 
-/* A load that jumps up fills the outlet, up to the end of the grid. The training also had such
- * exits, so this exit is not at the edge of the training. */
+/* After an upward jump of the load the pressure extends to the end of the grid, where the exit then
+ * lies. The training has exits there too, so the step is trusted. */
 static void an_exit_may_lie_at_the_end_of_the_grid(void **state) {
     (void)state;
     const double step = 1e-3;
@@ -359,8 +363,8 @@ static double film_in(const void *context, size_t node) {
     return ((const double *)context)[node];
 }
 
-/* The depth of a transient dip in front of the band is computed from all nodes, not only from those
- * that rows need. */
+/* A transient film may have its minimum in a dip upstream of the exit band. The depth of this dip
+ * is computed from all nodes, not only from the needed nodes of the selected rows. */
 static void a_dip_is_found_between_the_needed_nodes(void **state) {
     (void)state;
     enum { EVERY = 5, BEGIN = 30 };
@@ -381,7 +385,7 @@ static void a_dip_is_found_between_the_needed_nodes(void **state) {
     double *z = calloc(num, sizeof *z);
     assert_non_null(z);
     for (size_t i = 0; i < TRAINED_STATES * TRAINED_STATES; i++) {
-        // sums of solutions
+        // combinations of two trained solutions, some of them with dips
         const size_t a = i / TRAINED_STATES, b = i % TRAINED_STATES;
         const double *of_a = self.model.states.coordinates + a * num;
         const double *of_b = self.model.states.coordinates + b * num;
@@ -391,7 +395,7 @@ static void a_dip_is_found_between_the_needed_nodes(void **state) {
         contact_scalars scalars = reduced_scalars(reduced_march_inner(self.march), &at, contact);
         fields_of(pressure, film, &at, &self.model, self.splines.fields.pressure);
         size_t lowest = BEGIN, deepest = BEGIN;
-        double least = INFINITY; // minimum of all dips, as in the full model
+        double least = INFINITY; // smallest film of all dips, as in the full model
         for (size_t k = BEGIN; k < at.exit; k++) {
             if (film[k] < film[lowest]) lowest = k;
             if (film[k] > film[k - 1] || film[k] > film[k + 1]) continue;
@@ -408,7 +412,7 @@ static void a_dip_is_found_between_the_needed_nodes(void **state) {
         check_close(scalars.minimum_position, grid_x(grid, deepest), 0, 1e-12);
         check_close(scalars.minimum_film_thickness, least, 1e-9, 0);
     }
-    // the parabola through needed nodes is too inaccurate for these dips
+    // the minimum of a parabola through needed nodes is too inaccurate for these dips
     assert_true(num_dips > 10 && num_missed > 5);
     assert_true(num_other > 0); // the deepest dip is not always at the lowest node
     free(z);
@@ -417,8 +421,8 @@ static void a_dip_is_found_between_the_needed_nodes(void **state) {
     marching_free(&self);
 }
 
-/* A load returns to the trained range. No step is trusted until the last film from outside the
- * range has passed from the edge of the contact to the exit. */
+/* The load starts outside of the trained range and returns to it. No step is trusted until the last
+ * film that formed outside of the range has moved from the edge of the contact to the exit. */
 static void a_doubtful_film_is_doubtful_until_it_has_left(void **state) {
     (void)state;
     enum { MIDDLE = 7 }; // training state with M = 15, L = 4
@@ -453,8 +457,8 @@ static void a_doubtful_film_is_doubtful_until_it_has_left(void **state) {
     marching_free(&self);
 }
 
-/* Checks that two computations give the same bits: a repeated step, also after a step of another
- * length, and a march restored into another object. */
+/* Checks that a repeated step gives the same bits, also after an attempt with another length. Then
+ * checks that a march that is restored into another object continues with the same bits. */
 static void check_same_bits(const problem *of) {
     marching self, restored;
     march_step one, again;

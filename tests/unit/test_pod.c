@@ -16,7 +16,7 @@ static double next_random(void) {
     return 2 * random_next(&seed) - 1;
 }
 
-/* Returns snapshots whose singular values decrease by about the factor `decay`. */
+/* Returns snapshots whose singular values decrease, each by about the factor `decay`. */
 static double *graded_snapshots(size_t num_states, size_t num_nodes, double decay) {
     const size_t num_terms = num_states < num_nodes ? num_states : num_nodes;
     double *snapshots = calloc(num_states * num_nodes, sizeof *snapshots);
@@ -199,7 +199,7 @@ static void does_not_depend_on_scale(void **state) {
     }
 }
 
-/* The Gram matrix would lose singular values below 1e-8 of the first. */
+/* pod_build finds singular values that a Gram matrix would lose, below 1e-8 of the first value. */
 static void finds_modes_far_below_the_first(void **state) {
     (void)state;
     const double small = 1e-13;
@@ -290,13 +290,14 @@ static void refuses_bad_input(void **state) {
     check_refused((double[]){1, 2, INFINITY, 1}, 2, 2, one, "snapshot 1 at node 0");
 }
 
-/* Tests three directions: (1, 0, 0, 0), one that is 1e-3 off it, and one orthogonal to both, about
- * which the others have no information. */
+/* Computes how far each snapshot lies from the span of the other snapshots. The first two snapshots
+ * have nearly the same direction, (1, 0, 0, 0) and 1e-3 beside it. The third snapshot is orthogonal
+ * to both. */
 static void tells_what_the_others_leave_out(void **state) {
     const double snapshots[] = {1, 0, 0, 0, 1, 1e-3, 0, 0, 0, 0, 3, 4};
     const pod_settings settings = {.num_modes = 3};
     pod_basis basis;
-    double distance[3], coordinates[3 * 5]; // one more coordinate is the approach
+    double distance[3], coordinates[3 * 5]; // three modes, then other unknowns
     (void)state;
     assert_int_equal(pod_build(&basis, snapshots, 3, 4, &settings, NULL), EHD_OK);
     for (size_t s = 0; s < 3; s++)

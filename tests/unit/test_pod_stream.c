@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// A snapshot may lie at this fraction of the square root of the allowed energy from the directions,
-// as in podbuild.
+// Largest distance of a snapshot from the directions of a stream, as a fraction of the square root
+// of the allowed energy; the same value as in podbuild.
 static const double LOCAL = 0.05;
 
 static double *numbers(size_t count) {
@@ -160,7 +160,7 @@ static pod_basis stream_in(size_t chunk, const double *snapshots, size_t num_sna
     return finish(self, wanted);
 }
 
-/* Returns |S - S Pᵀ P|. Subtracts from each snapshot its components along the modes. */
+/* Returns |S - S Pᵀ P|, the part of all snapshots that the modes do not represent. */
 static double distance_to(const pod_basis *basis, const double *snapshots, size_t num_snapshots) {
     const int num_nodes = (int)basis->num_nodes;
     double *rest = numbers(basis->num_nodes), sum = 0;
@@ -200,8 +200,8 @@ static void check_same_bits(const pod_basis *a, const pod_basis *b) {
     assert_memory_equal(a->modes, b->modes, a->num_modes * a->num_nodes * sizeof(double));
 }
 
-/* Returns an upper bound (Frobenius norm) of the sine of the largest angle between the leading modes
- * of the set and the span of as many orthonormal modes [num_modes, num_nodes]. */
+/* Returns an upper bound (Frobenius norm) of the sine of the largest angle between the first
+ * num_modes modes of the set and the span of other orthonormal modes [num_modes, num_nodes]. */
 static double sine_of_angle(const pod_basis *set, const double *modes, size_t num_modes) {
     const int num_nodes = (int)set->num_nodes;
     double *rest = numbers(set->num_nodes);
@@ -218,7 +218,7 @@ static double sine_of_angle(const pod_basis *set, const double *modes, size_t nu
     return sqrt(sum);
 }
 
-/* Tests that snapshots that fit in one block have the POD of pod_build, bit by bit. */
+/* Tests that a stream with one block gives the same bits as pod_build. */
 static void one_block_has_the_bits_of_its_pod(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 90, NUM_NODES = 60 };
@@ -239,9 +239,9 @@ static void one_block_has_the_bits_of_its_pod(void **state) {
     free(snapshots);
 }
 
-/* Tests that the error is below its bound, and the bound below the allowed error. Also tests the
- * number of modes. A direct SVD with an allowed error that is smaller by twice LOCAL needs at
- * least as many modes. */
+/* Tests that the error is below its bound, and that the bound is below the allowed error. Also
+ * tests that the stream has few modes: at most one more than a direct SVD needs if its allowed
+ * error is smaller by the fraction 2 LOCAL. */
 static void error_is_within_the_bound(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 900, NUM_NODES = 150 };
@@ -280,7 +280,7 @@ static void error_is_within_the_bound(void **state) {
     known_free(&all);
 }
 
-/* Tests that a stream that omits almost nothing has the result of a direct SVD. */
+/* Tests that a stream that omits almost no energy gives the result of a direct SVD. */
 static void little_left_out_equals_the_direct_svd(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 1000, NUM_NODES = 201, NUM_MODES = 40 };
@@ -305,9 +305,9 @@ static void little_left_out_equals_the_direct_svd(void **state) {
     free(snapshots);
 }
 
-/* Tests a limit of directions below their number, but above the number that must be kept. The
- * stream drops weak directions within their share of the energy. With a lower limit the stream
- * fails. */
+/* Tests max_rank, the largest number of directions. The snapshots have more than 40 directions.
+ * With a limit of 40 the stream drops weak directions, as far as their energy allows this. With a
+ * limit of 20 it would have to drop more, and fails. */
 static void weak_directions_give_way(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 900, NUM_NODES = 150 };
@@ -336,8 +336,9 @@ static void weak_directions_give_way(void **state) {
 }
 
 /* Streams thousands of snapshots, in blocks of 64, with singular values over twelve decades. Every
- * singular value is accurate to 2e-13 of the first one plus the loss by truncation. The leading
- * modes, down to 1e-8 of the first one, are accurate to the angle that such errors cause. */
+ * singular value is accurate to 2e-13 of the first value, plus the loss by truncation. The leading
+ * modes, whose singular values are at least 1e-8 of the first, are accurate to the angle that such
+ * errors cause. */
 static void twelve_decades_equal_the_known_svd(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 5000, NUM_NODES = 200, RANK = 121 };
@@ -348,7 +349,8 @@ static void twelve_decades_equal_the_known_svd(void **state) {
         stream_in(NUM_SNAPSHOTS, snapshots, NUM_SNAPSHOTS, NUM_NODES, little(64), little_in_all);
     const double lost = pod_discarded(&set) * set.energy;
 
-    // the energy behind rank r is decay^(2r): 1e-22 keeps 110 modes, a fourth of it keeps 113
+    // without the first r modes the energy is decay^(2r): the limit 1e-22 keeps 110 modes, and a
+    // fourth of this limit keeps 113
     assert_in_range(set.num_modes, 110, 114);
     assert_int_equal(set.num_snapshots, NUM_SNAPSHOTS);
     for (size_t j = 0; j < set.num_modes; j++)
@@ -420,8 +422,8 @@ static void merging_equals_adding(void **state) {
     free(snapshots);
 }
 
-/* Tests that the energy that merged PODs omitted increases the error bound. It does not reduce the
- * energy that the stream itself may omit. */
+/* Tests that the energy that merged PODs have omitted increases the error bound. This energy does
+ * not reduce the energy that the stream itself may omit. */
 static void merging_inherits_losses(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 1500, NUM_NODES = 150 };
@@ -438,8 +440,7 @@ static void merging_inherits_losses(void **state) {
 
 static void exact_rank_is_found(void **state) {
     (void)state;
-    // 400 pairs of the snapshots (0,0,3,4,0) and (1,2,0,0,2), of norms 5 and 3, with zeros after
-    // each pair
+    // 400 times the snapshots (0,0,3,4,0), with norm 5, (1,2,0,0,2), with norm 3, and zero
     double *snapshots = numbers(1200 * 5);
     for (size_t s = 0; s < 800; s++)
         memcpy(snapshots + 5 * (s + s / 2),
@@ -496,7 +497,7 @@ static void memory_does_not_grow(void **state) {
     (void)state;
     enum { BLOCK = 32, NUM_NODES = 500, RANK = 10 };
     double *snapshots = known_snapshots(BLOCK, NUM_NODES, RANK, 0.5);
-    most_bytes(snapshots, BLOCK, NUM_NODES, 1024); // libraries allocate buffers once
+    most_bytes(snapshots, BLOCK, NUM_NODES, 1024); // in this call libraries allocate their buffers
     const size_t before = bytes_in_use();
     const size_t few = most_bytes(snapshots, BLOCK, NUM_NODES, 4) - before;
     const size_t many = most_bytes(snapshots, BLOCK, NUM_NODES, 1024) - before;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The choice of the next training points: corners of a region, and the worst candidates that lie
- * apart. */
+/* The choice of the next training points: first the corners of the convex hull of all candidates,
+ * then the worst candidates that lie apart. */
 #include "snapgen/point_choice.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -32,8 +32,8 @@ static void corners_of_a_grid_are_its_four(void **state) {
         assert_true(contains(corners, 4, (size_t[]){0, 4, 20, 24}[i]));
 }
 
-/* All points on a circle are corners. If points may lie a little outside the corners' hull, a few
- * corners are enough. */
+/* All points on a circle are corners. With a tolerance, a few corners are enough, because other
+ * points may then lie a little outside of their hull. */
 static void corners_of_a_circle_follow_the_tolerance(void **state) {
     enum { COUNT = 360 };
     double places[COUNT][RANGE_AXES] = {{0}};
@@ -46,7 +46,7 @@ static void corners_of_a_circle_follow_the_tolerance(void **state) {
     }
     assert_int_equal(
         point_choice_corners(corners, (const double(*)[RANGE_AXES])places, COUNT, 1e-9), COUNT);
-    // the sagitta of 90 degrees is 0.293, of 45 degrees 0.076, of 22 or 23 degrees 0.020
+    // distance from chord to arc: 0.293 for 90 degrees, 0.076 for 45, 0.020 for 22 or 23
     assert_int_equal(point_choice_corners(corners, (const double(*)[RANGE_AXES])places, COUNT, 0.3),
                      4);
     assert_int_equal(point_choice_corners(corners, (const double(*)[RANGE_AXES])places, COUNT, 0.1),
@@ -55,7 +55,8 @@ static void corners_of_a_circle_follow_the_tolerance(void **state) {
         point_choice_corners(corners, (const double(*)[RANGE_AXES])places, COUNT, 0.025), 16);
 }
 
-/* Tests a skewed grid of 3 by 3 by 3 with one more corner; the last coordinate varies too. */
+/* Tests a skewed grid of 3 by 3 by 3 places and one more corner. The last coordinate depends on the
+ * others. */
 static void corners_of_a_body_span_it(void **state) {
     double places[28][RANGE_AXES];
     size_t corners[28], call = 0, count;
@@ -97,8 +98,8 @@ static void corners_of_few_points(void **state) {
 
 // ---- the worst candidates
 
-/* Twelve candidates on a line from 0 to 11, of which the first and the last are already taken. The
- * second coordinate is equal for all. */
+/* Twelve candidates on a line from 0 to 11. The first and the last candidate were trained on before
+ * ("taken"). All candidates have the same second coordinate. */
 enum { NUM_LINE = 12 };
 static tree_point line_points[NUM_LINE];
 static bool line_taken[NUM_LINE];
@@ -123,14 +124,14 @@ static void check_choice(const candidates *from, size_t most, const size_t *expe
         assert_int_equal(chosen[i], expected[i]);
 }
 
-/* Candidates beside the worst are nearly as bad, but the second choice is elsewhere. */
+/* The candidates beside the worst one are nearly as bad, but the second choice lies elsewhere. */
 static void the_worst_come_first_and_apart(void **state) {
     const double indicated[] = {99, 1, 2, 7, 9, 8, 2, 1, 1, 3, 2, 99};
     const candidates from = make_line(indicated, 0);
     (void)state;
 
-    // candidate 4 is 4 away from the taken ones; then 9 is 2 away from 11; then 2 is 2 away from 0
-    // and 4
+    // Candidate 4 is the worst, at a distance of 4 from the taken 0. Then 9 is chosen, at 2 from
+    // the taken 11. Then 2 is chosen, at 2 from 0 and 4.
     check_choice(&from, 3, (size_t[]){4, 9, 2}, 3);
 }
 
@@ -139,14 +140,15 @@ static void what_is_good_enough_or_taken_is_left(void **state) {
     const candidates from = make_line(indicated, 2.5);
     (void)state;
 
-    // all candidates that are not good enough, and no others; 3 is nearer to taken ones than 5 is
+    // All candidates whose estimate exceeds 2.5 are chosen. Candidate 3 comes before 5, because 3
+    // is nearer to a taken candidate (point_choice_worst).
     check_choice(&from, NUM_LINE, (size_t[]){4, 9, 3, 5}, 4);
     const candidates none = make_line(indicated, 9);
     check_choice(&none, NUM_LINE, NULL, 0);
 }
 
-/* A bad candidate beside a chosen one is also taken if no other is as bad, even if it is very near.
- * A candidate at the same place is not taken. */
+/* If only two candidates exceed the accuracy, both are chosen, even if they lie very close to each
+ * other. If they lie at the same place, only one is chosen. */
 static void near_ones_are_taken_the_same_is_not(void **state) {
     const double indicated[] = {99, 1, 1, 1, 9, 8, 1, 1, 1, 1, 1, 99};
     const candidates from = make_line(indicated, 2);
@@ -158,7 +160,7 @@ static void near_ones_are_taken_the_same_is_not(void **state) {
     check_choice(&from, NUM_LINE, (size_t[]){4}, 1);
 }
 
-/* Without any error estimate the points are spread evenly. */
+/* If no candidate has an error estimate, the chosen candidates are spread evenly. */
 static void the_unknown_is_filled_evenly(void **state) {
     double indicated[NUM_LINE];
     (void)state;
@@ -177,14 +179,14 @@ static void what_has_a_number_comes_every_second_time(void **state) {
                               INFINITY, INFINITY, 1, 1,        1,        99};
     (void)state;
 
-    // candidate 6 is farthest from all others; among those with an estimate and far enough from 6,
-    // the worst is 3, with 7
+    // Of the candidates without an estimate, 6 is farthest from the taken 0 and 11. Of the
+    // candidates with an estimate that are far enough from 6, 3 has the largest estimate, 7.
     check_choice(&from, 2, (size_t[]){6, 3}, 2);
     const candidates more = make_line(unknown, 0);
     check_choice(&more, 4, (size_t[]){6, 2, 1, 9}, 4);
 }
 
-/* Candidates with other lubricants at the same place are different points. */
+/* Candidates of different families (lubricants) are far from each other, wherever they lie. */
 static void families_are_far_from_each_other(void **state) {
     const double indicated[] = {99, 1, 2, 7, 9, 8, 2, 1, 1, 3, 2, 99};
     const candidates from = make_line(indicated, 0);

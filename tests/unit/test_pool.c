@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Threads on a tree: each point is solved once, after its parent, with any number of workers. */
+/* Threads that solve the points of a tree. Each point is solved once, after its parent, with any
+ * number of workers. */
 #include "common/training/pool.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -11,18 +12,20 @@
 
 enum { NUM_POINTS = 40, NONE = -1 };
 
-/* Records of the tasks. `lock` protects data of `solve`; the pool protects the rest. */
+/* Counts the calls of the tasks, and says which calls the test lets fail. Several threads may be in
+ * `begin`, `end` and `solve` at a time, so these functions use `lock`. `start` and `finish` need no
+ * lock, because the pool never runs two of them at a time. */
 typedef struct notes {
     pthread_mutex_t lock;
     const size_t *parent;
     int started[NUM_POINTS], solved[NUM_POINTS], finished[NUM_POINTS];
     int begun, ended;
-    int inside;        // threads in `start` or `finish`
+    int inside;        // number of threads in `start` or `finish`
     int failing_point; // NONE: no point fails
     bool failing_begin;
-    int max_begun;   // number of workers with enough memory; 0: all
-    bool too_late;   // workers without memory begin when all is done
-    int num_refused; // number of solutions whose memory is refused
+    int max_begun;   // number of workers that get memory in `begin`; 0: all workers get memory
+    bool too_late;   // workers without memory fail only after all points are solved
+    int num_refused; // number of calls of `solve`, from the first one on, that get no memory
     bool repeatable;
     bool wrong_order;
     int sum[NUM_POINTS]; // number of the point + sum of its parent
@@ -160,7 +163,7 @@ static ehd_status do_nothing(void *shared, void *worker, size_t point, size_t pa
     return EHD_OK;
 }
 
-/* Solves points without parents, without an order and without data of threads. */
+/* Solves points without parents, with no given order, and without data for each thread. */
 static void test_a_plain_list(void **state) {
     int finished[NUM_POINTS] = {0};
     const pool_work work = {.num_points = NUM_POINTS,
@@ -184,8 +187,8 @@ static ehd_status count_up(void *shared, void *worker, size_t point, size_t pare
     return EHD_OK;
 }
 
-/* Solves a million points, without parents and in a thousand chains from one root. If the search
- * for each point began at the first point, this test would take many minutes. */
+/* Solves a million points: first without parents, then in a thousand chains from one root. If the
+ * search for the next point always began at the first point, this test would take many minutes. */
 static void test_many_points(void **state) {
     const size_t num_points = 1000000;
     size_t *parent = test_malloc(num_points * sizeof *parent), count = 0;
@@ -257,13 +260,13 @@ static void check_all_solved_once(const notes *noted) {
     }
 }
 
-/* Workers with enough memory do all of the work. */
+/* If some workers get no memory, the other workers solve all points. */
 static void test_workers_without_memory_leave_the_work_to_others(void **state) {
     (void)state;
     for (int enough = 1; enough < 7; enough++) {
         notes noted = new_notes();
         noted.max_begun = (enough - 1) % 3 + 1;
-        noted.too_late = enough > 3; // workers with memory do not wait for the others
+        noted.too_late = enough > 3; // the other workers must not wait for the failing ones
         assert_int_equal(run(&noted, 4, NULL, NULL), EHD_OK);
         check_all_solved_once(&noted);
     }
@@ -286,7 +289,7 @@ static void test_the_last_worker_says_that_there_is_no_memory(void **state) {
         assert_int_equal(run(&noted, (size_t)num_workers, NULL, &error), EHD_MEMORY);
         assert_non_null(strstr(error.text, "found no memory"));
     }
-    // a solution that cannot be repeated fails
+    // if the work is not repeatable, a point without memory makes the pool fail
     notes noted = new_notes();
     noted.num_refused = 1;
     assert_int_equal(run(&noted, 4, NULL, NULL), EHD_MEMORY);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Previous states in the current frame, and the equation in time made from them. */
+/* Previous states in the current frame, and the transient Reynolds equation that uses them. */
 #include "common/physics/deflection.h"
 #include "common/physics/reynolds.h"
 #include "common/time/bdf.h"
@@ -13,8 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A previous state with smooth film and pressure, without elasticity. At the ends of the grid,
- * pressure and film minus gap vanish with two derivatives, as natural splines require. */
+/* A previous state with smooth film and pressure; the film is not the deflection of this pressure.
+ * At the ends of the grid the second derivatives of the pressure and of the film minus the gap
+ * vanish, as natural splines require. */
 typedef struct carried {
     ehd_contact reference;
     previous_carrier carrier;
@@ -69,8 +70,8 @@ static double density_at(const ehd_contact *contact, double pressure, double her
     return lubricant_density(&contact->lubricant, pressure * hertz);
 }
 
-/* Returns the largest error of the mass, compared with the mass at the previous place of the fluid,
- * one path upstream. Places outside of the grid are left out. */
+/* Returns the largest error of the carried mass. The exact mass is the mass at the previous place
+ * of the fluid, at the distance `path` upstream. Places outside of the grid are left out. */
 static double carry_error(const ehd_contact *reference, size_t i, size_t j, double path) {
     const double *then_factor = factors[i], *now_factor = factors[j];
     const contact_frame then = frame_of_case(reference->kind, i);
@@ -100,8 +101,8 @@ static double carry_error(const ehd_contact *reference, size_t i, size_t j, doub
     return largest;
 }
 
-/* A change of the frame alone moves no lubricant; the error is that of cubic splines, of fourth
- * order. */
+/* A change of the frame alone moves no lubricant. The only error is the error of cubic splines,
+ * which has fourth order. */
 static void change_of_frame_keeps_the_physical_film(void **state) {
     (void)state;
     static const char *const densities[] = {"incompressible", "dowson-higginson"};
@@ -117,7 +118,8 @@ static void change_of_frame_keeps_the_physical_film(void **state) {
                 for (size_t j = kind; j < NUM_FACTORS; j += 1 + 2 * kind) {
                     const contact_frame then = frame_of_case(reference->kind, i),
                                         now = frame_of_case(reference->kind, j);
-                    // a point contact whose frame grows much has most places outside of the grid, which takes long
+                    // if the frame of a point contact grows much, most places lie outside of the
+                    // grid, and the test would take long
                     if (kind > 0 && frame_stretch(&now, &then) > 1.1) continue;
                     double coarse = carry_error(&reference[0], i, j, 0);
                     double fine = carry_error(&reference[1], i, j, 0);
@@ -145,7 +147,7 @@ static void compare_in_the_same_frame(const ehd_contact *reference) {
     carried_free(&self);
 }
 
-/* In an unchanged frame places are nodes, and the mass is rho H to round-off. */
+/* If the frame does not change, previous places are nodes, and the mass is rho H to round-off. */
 static void same_frame_changes_nothing(void **state) {
     (void)state;
     const ehd_contact line = sample_contact("barus", "dowson-higginson", 20, 8, 0.05);
@@ -156,8 +158,9 @@ static void same_frame_changes_nothing(void **state) {
     compare_in_the_same_frame(&half);
 }
 
-/* A rigid plug moves along the path of the fluid, in either direction. Between nodes the film has
- * the error of cubic splines. If the plug moves from node to node, the film has only round-off. */
+/* With transport along the path, a previous film moves with the fluid like a rigid plug, in either
+ * direction. In general it has the error of cubic splines. If it moves by a whole number of grid
+ * steps, it has only round-off. */
 static void a_rigid_plug_is_shifted(void **state) {
     (void)state;
     const double paths[] = {0.37, -0.73};
@@ -175,7 +178,7 @@ static void a_rigid_plug_is_shifted(void **state) {
             const double coarse = carry_error(&reference[0], 0, 0, paths[way]);
             const double fine = carry_error(&reference[1], 0, 0, paths[way]);
             assert_true(coarse > 1e-9 && coarse < (kind > 0 ? 3e-5 : 3e-6));
-            assert_true(fine < coarse / 6); // error of the splines
+            assert_true(fine < coarse / 6); // error of cubic splines
         }
         // the frame changes too
         assert_true(carry_error(&reference[1], 0, 1, paths[0]) < 1e-5);
@@ -185,7 +188,7 @@ static void a_rigid_plug_is_shifted(void **state) {
     }
 }
 
-/* Returns the deflection at a place by a sum over the nodes of the whole grid. */
+/* Returns the deflection at a place as a direct sum over the nodes of the whole grid. */
 static double deflection_by_hand(const ehd_contact *reference, const double *pressure, double x,
                                  double y) {
     const ehd_grid *grid = &reference->grid;
@@ -210,7 +213,7 @@ static void look_beyond_the_grid(const ehd_contact *reference, size_t least_beyo
     carried_init(&self, reference, &then);
     full_state *film = &self.state.state;
 
-    // little pressure at the ends of the grid, as in a contact
+    // make the pressure small at the ends of the grid, as in a contact
     for (size_t k = 0; k < grid->num_nodes; k++)
         film->pressure[k] *= exp(-2 * (pow(grid_x(grid, k), 2) + pow(grid_y(grid, k), 2)));
     film->rigid_approach = 0.4;
@@ -233,7 +236,8 @@ static void look_beyond_the_grid(const ehd_contact *reference, size_t least_beyo
     carried_free(&self);
 }
 
-/* Outside of the grid the film is computed from the pressure, as at the nodes of a wider grid. */
+/* If the contact grows, some places lie outside of the previous grid. There the film is computed
+ * from the pressure, as at the nodes of a wider grid. */
 static void growing_contact_looks_beyond_the_grid(void **state) {
     (void)state;
     const ehd_contact line = sample_contact("barus", "dowson-higginson", 20, 8, 0.05);
@@ -246,7 +250,7 @@ static void growing_contact_looks_beyond_the_grid(void **state) {
 
 // ---- a manufactured solution in time
 
-/* Fills load, speed, radius and modulus at a time; all of them vary. */
+/* Computes the factors of load, speed, radius and modulus, which all vary with time. */
 static void wanted_factors(double *factor, double time) {
     factor[0] = 1 + 0.2 * sin(1.1 * time);
     factor[1] = 1 + 0.3 * cos(0.7 * time);
@@ -276,7 +280,7 @@ static double wanted_mass(const ehd_contact *reference, double x, double time) {
            density_at(reference, wanted_pressure(x, time), reference->hertz_pressure);
 }
 
-/* Returns the first derivative from five values at a distance h. */
+/* Returns the first derivative from five values at equal distances h. */
 static double slope_of(const double *value, double h) {
     return (8 * (value[3] - value[1]) - (value[4] - value[0])) / (12 * h);
 }
@@ -300,8 +304,8 @@ static double wanted_flow(const ehd_contact *reference, double x, double time) {
            slope_of(value, h);
 }
 
-/* Returns the residual of the Reynolds equation in the physical frame, independent of moving
- * frames. */
+/* Returns the residual of the Reynolds equation at a fixed physical place, independently of the
+ * moving frames. */
 static double physical_residual(const ehd_contact *reference, double x, double time) {
     const double h = 1e-3;
     double flow[5], mass[5], factor[4];
@@ -323,7 +327,7 @@ static void set_wanted(carried *self, double time) {
     }
 }
 
-/* Computes the sum of previous masses by the formula, in the frame `now`. */
+/* Computes the weighted sum of the previous masses in the formula, in the frame `now`. */
 static void add_previous(double *sum, carried *self, const bdf_formula *formula,
                          const contact_frame *now, const double *time, size_t num_previous) {
     size_t num_inner = self->reference.grid.num_inner;
@@ -337,8 +341,8 @@ static void add_previous(double *sum, carried *self, const bdf_formula *formula,
     }
 }
 
-/* Checks whether x is away from the ends, where splines are natural and the first row's entrainment
- * has first order. */
+/* Checks whether x is away from the ends. At the ends the splines are natural, and the entrainment
+ * of the first row has only first order. */
 static bool is_inside(double x) {
     return x > -2.5 && x < 1;
 }

@@ -26,9 +26,9 @@ static int set_up(void **state) {
 
 #define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
 
-/* Writes a result with num_times times, of a point contact or (one line) a line contact. A pressure
- * is 100 times the index of its time, plus 10 times the index of its line, plus the index of its
- * node. */
+/* Writes a result with num_times times. With num_lines = 1 the contact is a line contact, else a
+ * point contact. Each pressure is 100 times the index of its time, plus 10 times the index of its
+ * grid line, plus the index of its node. */
 static void write_result(size_t num_times, size_t num_lines) {
     const double times[] = {0, 0.1}, lines[] = {0, 0.5}, nodes[] = {-1, 0, 1. / 3};
     const double scalar[] = {0.1, NAN};
@@ -59,7 +59,7 @@ static void write_result(size_t num_times, size_t num_lines) {
     check_ok(artefact_finish(&file, &error));
 }
 
-/* Returns the printed text for these names (NULL at the end); free it. */
+/* Returns the text that is printed for a list of names, which ends with NULL. Free the text. */
 static char *printed(ehd_status expected, const char *const *names) {
     artefact *file = NULL;
     char *text = NULL;
@@ -95,7 +95,7 @@ static void a_line_for_each_entry(void **state) {
     write_result(2, 1);
     check_printed("time,load,status\n0,0.1,3\n0.1,nan,9223372036854775807\n", "time", "load",
                   "status");
-    check_printed("load\n0.1\nnan\n", "load"); // a single axis gives no leading column
+    check_printed("load\n0.1\nnan\n", "load"); // one axis alone is not printed in front
     check_printed("x\n-1\n0\n0.3333333333333333\n", "x");
 }
 
@@ -152,8 +152,8 @@ static void names_that_are_not_there_and_other_axes_are_refused(void **state) {
     check_refused("found load and x of different axes", "load", "x");
 }
 
-/* Writes a result in SI units: half width 2, film unit 3, time unit 4, load 5, Hertz pressure 6,
- * and frames that grow with the index of the time. */
+/* Writes a result with the attributes for SI units: half width 2, film unit 3, time unit 4, load 5,
+ * Hertz pressure 6. The units of the frames grow with the index of the time. */
 static void write_units(bool with_frames) {
     const struct {
         const char *name;
@@ -198,7 +198,7 @@ static void units_follow_from_the_rows(void **state) {
                   "0,3,6,3,5,2,2,1,7\n2,6,12,6,10,20,4,2,8\n",
                   "time", "central_film_thickness", "central_pressure", "rigid_approach", "load",
                   "contact_half_width", "exit_position", "residual_norm", "status");
-    // fields and places are in the frame of their time
+    // fields and X are converted with the frame of their time
     check_printed("time [s],x [m],pressure [Pa]\n0,-2,6\n0,2,12\n\n2,-20,1800\n2,20,2400\n",
                   "pressure");
     check_printed("step [m],moes_M,contact\n1,6,line\n", "step", "moes_M", "contact");
@@ -234,8 +234,8 @@ static void tells_what_there_is(void **state) {
     free(text);
 }
 
-/* Leaves file.h5.partial like a run that stops early: `complete` is 0, and fields may have one
- * entry more or less than the axis. */
+/* Leaves file.h5.partial as a run does that stops early. The attribute `complete` is 0, and fields
+ * may have one entry more or fewer than the time axis. */
 static void leave_unfinished(size_t num_times) {
     const double nodes[] = {-1, 0, 1}, times[] = {0, 0.5, 1}, loads[] = {1, 2};
     const int64_t counts[] = {5, 6};
@@ -295,7 +295,7 @@ static void write_bytes(const char *bytes, size_t size) {
 
 static void damaged_data_are_no_silent_end(void **state) {
     (void)state;
-    const double value = 101; // a pressure; its checksum finds the flipped bit
+    const double value = 101; // one of the pressures; a bit of it is flipped
     size_t size;
 
     write_result(2, 1);
@@ -310,14 +310,14 @@ static void damaged_data_are_no_silent_end(void **state) {
     free(text);
 }
 
-/* Ignores leaks of HDF5 1.10, which leaks memory that it has read from damaged files. */
+/* Suppresses reports about HDF5 1.10, which leaks memory when it reads damaged files. */
 const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void) {
     return "leak:libhdf5";
 }
 
-/* Any wrong byte in a finished or unfinished file leads to no crash, and to one of the statuses
- * below. */
+/* If any byte of a finished or unfinished file is wrong, printing does not crash and ends with one
+ * of the statuses below. */
 static void any_byte_may_be_wrong(void **state) {
     const char *const names[] = {"time", "load", "status", "history", "moes_M", "contact"};
     const size_t length = strlen(path);

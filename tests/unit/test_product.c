@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Products, Cholesky factors and QR of matrices of all sizes near multiples of blocks, against sums
- * by definition. */
+/* Matrix products, Cholesky factors and QR factors, compared with sums by definition. The matrices
+ * have all sizes near multiples of the block size. */
 #include "common/algebra/cholesky.h"
 #include "common/algebra/product.h"
 #include "common/algebra/qr.h"
@@ -21,8 +21,8 @@ static void fill(double *numbers, size_t count) {
         numbers[i] = sin((double)(i * i));
 }
 
-/* Each entry is the product of two columns, in any block. Memory behind the last entry is not
- * touched. */
+/* Each entry of the Gram matrix is the product of two columns, whatever its block. Memory behind
+ * the last entry is not changed. */
 static void gram_is_the_product_of_columns(void **state) {
     const double guard = 17;
     (void)state;
@@ -56,8 +56,8 @@ static void not_finite_columns_show(void **state) {
             assert_true(isnan(gram[j * n + i]) == (i == bad || j == bad));
 }
 
-/* Adds factor A B to C, with A by rows and by columns. C is a part of a larger array, whose rest
- * must not change. */
+/* Adds factor * A B to C, where A is stored by rows or by columns. C is a part of a larger array,
+ * and the rest of this array must not change. */
 static void matrix_product(void **state) {
     static double left[LONG * MOST], found[30 * (MOST + 3)], expected[30 * (MOST + 3)];
     const size_t inner[] = {0, 1, 16, 300, LONG};
@@ -125,12 +125,12 @@ static void sums_of_vectors(void **state) {
         }
         for (size_t i = 0; i < n; i++)
             reversed += a[n - 1 - i] * b[i];
-        assert_true(dot(a, b, n) == sum); // small integers are exact
+        assert_true(dot(a, b, n) == sum); // equal, because the numbers are small integers
         assert_true(dot_reversed(a, b, n) == reversed);
     }
 }
 
-/* Norms are also right if the squares of the numbers are out of range. */
+/* Norms are also right if the squares of the numbers overflow or underflow. */
 static void norms(void **state) {
     const double sizes[] = {1, 1e-170, DBL_MIN, 1e160, 1e300};
     (void)state;
@@ -143,7 +143,7 @@ static void norms(void **state) {
     assert_true(isnan(vector_norm((const double[]){NAN, 1e300}, 2)));
 }
 
-/* Checks the factors of A = J^T J + 1 and solutions of A x = b of all sizes. */
+/* Checks, for all sizes, the factors of A = J^T J + 1 and the solution of A x = b. */
 static void cholesky_solves(void **state) {
     double x[MOST], solution[MOST];
     (void)state;

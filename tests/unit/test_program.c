@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Behaviour common to all programs, tested in child processes, because programs read argv and exit. */
+/* Behaviour that all programs share. The tests use child processes, because programs read argv and
+ * exit. */
 #include "common/program/program.h"
 #include "tests/unit/check.h"
 
@@ -46,7 +47,7 @@ static const program_options options = {.options = own_rows,
 // ---- children
 
 typedef struct outcome {
-    int code; // exit code, or the negative signal number
+    int code; // exit code, or minus the number of the signal
     char out[16384];
     char err[16384];
 } outcome;
@@ -54,7 +55,7 @@ typedef struct outcome {
 static outcome child;
 static char *child_arguments[32]; // ends with NULL
 
-/* Runs in a child after program_start; returns the exit code of its main. */
+/* Function that a child runs after program_start. Returns the exit code of the child. */
 typedef int body(program *self);
 
 static int finish_well(program *self) {
@@ -80,7 +81,8 @@ static void run_in_child(body *act) {
     exit(act(&self));
 }
 
-/* Runs the child with standard output into `out_path` (NULL: into `child`) and fills `child`. */
+/* Runs `act` in a child process and stores the outcome in `child`. Standard output goes to the file
+ * `out_path`; if this is NULL, it goes to child.out. */
 static void run_to(const char *out_path, body *act) {
     FILE *out = out_path ? fopen(out_path, "w") : tmpfile(), *err = tmpfile();
     int status = 0;
@@ -292,10 +294,10 @@ static void foreign_text_is_printable(void **state) {
         {"plain, \302\265m, \342\202\254, \360\237\230\200", NULL},
         {"", NULL},
         {"\033[31m\r\n\t\b\177", "?[31m?????"},
-        {"\302\200\302\233\302\237\302\240", "???\302\240"}, // C1 controls; a no-break space
+        {"\302\200\302\233\302\237\302\240", "???\302\240"}, // C1 controls, a no-break space
         // line separators, direction marks
         {"\342\200\250\342\200\251\342\200\256\342\201\246", "????"},
-        {"\342\200\247\342\200\257\342\201\245\342\201\252", NULL}, // neighbours of these
+        {"\342\200\247\342\200\257\342\201\245\342\201\252", NULL}, // the characters next to them
         {"\233\377\302", "???"},                                    // not UTF-8
         {"\300\200\340\200\200\355\240\200", "????????"}, // overlong encodings, a surrogate
         {"\357\277\276\357\277\277\357\277\275", "??\357\277\275"}};
@@ -382,11 +384,11 @@ static void messages_heed_quiet_and_verbose(void **state) {
 static int show_time_left(program *self) {
     progress shown;
     progress_start(&shown, self, 120);
-    shown.started -= 100; // makes it appear to have run for 100 s
+    shown.started -= 100; // as if the program had run for 100 s
     progress_show(&shown, 40, "a");
     progress_show(&shown, 41, "too early for another line");
     shown.last_shown -= 3;
-    shown.started -= 500; // makes the next points appear to have taken 500 s
+    shown.started -= 500; // as if the next points had taken 500 s
     progress_show(&shown, 119, "near the end");
     shown.last_shown -= 3;
     shown.advanced -= 500;
@@ -424,7 +426,7 @@ static int check_surroundings(program *self) {
 
 static void numbers_keep_their_point(void **state) {
     (void)state;
-    setenv("LC_ALL", "C.UTF-8", 1); // besides C the only locale of every system
+    setenv("LC_ALL", "C.UTF-8", 1); // the only locale besides C that every system has
     assert_non_null(setlocale(LC_ALL, ""));
     run(check_surroundings, "a.yml", "-o", "r.h5");
     setlocale(LC_ALL, "C");
@@ -446,7 +448,8 @@ static int raise_twice(program *self) {
     return program_finish(self, EHD_OK, NULL);
 }
 
-/* Checks that a program started without standard files opens no file in their place. */
+/* If a program is started with closed standard files, a file that it opens does not get their
+ * numbers. */
 static int open_first(program *self) {
     static const char *const words[] = {"trial", "a.yml", "-o", "r.h5"};
     program again;

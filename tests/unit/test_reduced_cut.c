@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Compares tables of a pressure that is cut at the exit with direct sums, at checkpoints. Moving
- * the tables from exit to exit is tested in test_reduced_solver.c and, for point contacts, in
- * test_reduced_point.c. */
+/* Tables of deflections for a pressure that is zero behind the exit, compared with direct sums.
+ * Only the exits at checkpoints are tested here. Changes of the tables to other exits are tested in
+ * test_reduced_solver.c and, for point contacts, in test_reduced_point.c. */
 #include "common/physics/deflection.h"
 #include "romrun/model/reduced_cut.h"
 #include "tests/unit/check.h"
 #include "tests/unit/trained.h"
 
-/* Returns K V_p at one node, with V_p cut at an exit, by a direct sum. */
+/* Returns K V_p at one node as a direct sum, where the mode V_p is set to zero behind the exit. */
 static double dense_deflection(const reduced_basis *basis, size_t exit, size_t node, size_t mode) {
     double sum = 0;
 
@@ -27,7 +27,7 @@ static double dense_load(const reduced_basis *basis, size_t exit, size_t mode) {
     return sum;
 }
 
-/* Returns an entry of the cut table by its definition. */
+/* Computes an entry of the table model->cut by its definition. */
 static double dense_cut(const reduced_model *model, const reduced_basis *basis, size_t exit,
                         size_t row, size_t mode) {
     double sum = 0;
@@ -79,7 +79,7 @@ static void cut_tables_equal_plain_sums(void **state) {
 }
 
 /* The checkpoints of a point contact take 400 MB at most, plus one more checkpoint. The band of an
- * independent basis has no film table, so much less memory is filled than is counted here. */
+ * independent basis has no film table, so this test fills much less memory than is counted here. */
 static void memory_bounds_the_checkpoints_of_a_point(void **state) {
     enum { LINES = 2, COLUMNS = 20, STATES = 12 };
     (void)state;

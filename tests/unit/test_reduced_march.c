@@ -35,7 +35,8 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* Returns a basis with a mode for every node, whose exits may lie farther out than in training. */
+/* Returns a basis with a mode for every node. Its exits may lie farther downstream than in
+ * training. */
 static reduced_basis nodes_basis(void) {
     reduced_basis nodes = identity_basis(&training.set, DEFORMATION_COUPLED, basis.weight);
     size_t last = grid_width(&nodes.grid) - 2, inner = grid_lines(&nodes.grid) - 1;
@@ -57,7 +58,8 @@ static void marching_init(marching *self, const reduced_basis *of) {
     assert_int_equal(self->last.status, EHD_OK);
 }
 
-/* Makes an accepted step. It may be untrusted, because changing contacts were not trained. */
+/* Makes an accepted step. The step may be untrusted, because the training has only stationary
+ * contacts. */
 static void step_to(marching *self, double load, double time) {
     const contact_frame frame = frame_under(load, time);
 
@@ -102,9 +104,9 @@ static void constant_conditions_keep_the_stationary_state(void **state) {
     marching_free(&self);
 }
 
-/* With a mode for every node a step equals one of the full model with the same history and exits.
- * Exits may differ by a node if this makes less difference than the noise of both models (under a
- * load of 1.05). */
+/* If every node has a mode, a step equals a step of the full model with the same history and exits.
+ * Under a load of 1.05 instead of 1.04 an exit differs by one node, but the films differ by less
+ * than the noise of both models. */
 static void a_step_of_full_rank_is_one_of_the_full_model(void **state) {
     (void)state;
     reduced_basis nodes = nodes_basis();
@@ -158,8 +160,8 @@ static void a_step_of_full_rank_is_one_of_the_full_model(void **state) {
     free(previous);
 }
 
-/* Over several steps the reduced and the full model differ only by their splines at the ends of the
- * grid. */
+/* Over several steps the reduced and the full model differ only because their splines differ at the
+ * ends of the grid. */
 static void full_rank_marches_as_the_full_model(void **state) {
     (void)state;
     reduced_basis nodes = nodes_basis();
@@ -191,7 +193,8 @@ static void full_rank_marches_as_the_full_model(void **state) {
     reduced_basis_free(&nodes);
 }
 
-/* A reduced model has one pressure zone per grid line, so it reports a second zone. */
+/* A reduced model has only one zone of pressure on each grid line. If a second zone builds up, the
+ * model therefore reports this zone. */
 static void a_gap_that_closes_behind_the_exit_is_told(void **state) {
     (void)state;
     reduced_basis nodes = nodes_basis();
@@ -207,14 +210,14 @@ static void a_gap_that_closes_behind_the_exit_is_told(void **state) {
             assert_int_not_equal(self.last.status, EHD_NOT_CONVERGED);
             self.solver.accept(self.solver.self);
             const bool told = strstr(self.last.reason, "a second zone of pressure");
-            assert_true(told == (grows && i > 1)); // step 1 may follow a jump
+            assert_true(told == (grows && i > 1)); // in step 1, conditions may have jumped
         }
         marching_free(&self);
     }
     reduced_basis_free(&nodes);
 }
 
-/* Compares the films of 20 steps of two bases; `also` (or NULL) is called after each step. */
+/* Compares the films of two bases over 20 steps. `also`, if not NULL, is called after each step. */
 static void check_march_alike(const reduced_basis *first, const reduced_basis *second,
                               double central, double minimum,
                               void (*also)(const marching *, const marching *)) {
@@ -235,19 +238,20 @@ static void check_march_alike(const reduced_basis *first, const reduced_basis *s
     marching_free(&other);
 }
 
-/* The frame grows and shrinks, so some places lie beside the grid. The bases differ because their
- * stationary modes do not represent changing contacts exactly. */
+/* The frame grows and shrinks, so some previous places lie outside of the grid. The results of the
+ * two bases differ, because stationary modes do not represent changing contacts exactly. */
 static void an_independent_basis_marches_as_the_coupled_one(void **state) {
     (void)state;
     reduced_basis own_films;
 
     trained_basis(&own_films, &training, DEFORMATION_INDEPENDENT, 0, 0);
-    // errors against the full model: 8e-3 and 2e-3; with zero pressure around: 1e-3 and 1e-3
+    // The films of the two bases differ from those of the full model by 8e-3 and 2e-3. With zero
+    // pressure at the boundary both differences are 1e-3.
     check_march_alike(&own_films, &basis, 1.2e-2, 1e-2, NULL);
     reduced_basis_free(&own_films);
 }
 
-/* Checks that the exits on the second half of the whole grid's lines are those of the half grid. */
+/* Checks that the exits are the same on the half grid and on the second half of the whole grid. */
 static void check_half_of_exits(const marching *half, const marching *whole) {
     const size_t *exits = reduced_march_state(half->march, NULL).exits;
     const size_t *both = reduced_march_state(whole->march, NULL).exits;
@@ -286,7 +290,7 @@ static void a_restored_march_goes_on_as_the_saved_one(void **state) {
     marching_free(&restored);
 }
 
-/* The exit of any line of the last state is checked. */
+/* A saved state is refused if the exit on any grid line lies outside of the band. */
 static void saved_exits_outside_of_the_band_are_refused(void **state) {
     (void)state;
     marching self;

@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static trained half, whole;                   // half of 33 by 33 nodes, and all of them
-static reduced_basis half_basis, whole_basis; // all modes that the training spans
+static trained half, whole;                   // half of 33 by 33 nodes; 33 by 33 nodes
+static reduced_basis half_basis, whole_basis; // as many modes as the training spans
 static reduced_basis half_independent, whole_independent;
 
 static const struct {
@@ -44,7 +44,7 @@ static int tear_down(void **state) {
 
 // ---- helpers
 
-/* Checks that the film is the deflection of the pressure, with gap and approach. */
+/* Checks that the film is the sum of the pressure's deflection, the gap and the approach. */
 static void check_deflection(const double *film, const double *pressure, const reduced_basis *basis,
                              double rigid_approach) {
     const size_t num_nodes = basis->grid.num_nodes;
@@ -60,7 +60,7 @@ static void check_deflection(const double *film, const double *pressure, const r
     free(expected);
 }
 
-/* Checks that solution, exit line and scalars are those of the full solver. */
+/* Checks that solution, exit line and scalars equal the results of the full solver. */
 static void check_is_training_state(const reduced_problem *self, const reduced_basis *basis,
                                     const trained *training, size_t s, double tolerance) {
     const reduced_states *states = training->states;
@@ -82,9 +82,10 @@ static void check_is_training_state(const reduced_problem *self, const reduced_b
     free(pressure);
 }
 
-/* Returns whether a state has two solutions. On so coarse a grid two neighbouring exit lines may
- * both be consistent: signs of pressure and multiplier are right on both, and the films differ by
- * 5e-6 or less. For these states the full solver found the other exit line. */
+/* Returns whether a state has two solutions. On such a coarse grid two neighbouring exit lines may
+ * both be solutions: with both, the signs of pressure and multiplier are right. The films differ by
+ * 5e-6 or less. For these states the full solver has found another exit line than the reduced
+ * model. */
 static bool has_two_exits(size_t s) {
     return s == 1 || s == 2 || s == 4 || s == 9;
 }
@@ -114,7 +115,8 @@ static void full_rank_reproduces_the_full_model(void **state) {
     check_full_rank(DEFORMATION_INDEPENDENT, 6); // more than a thousand unknowns
 }
 
-/* Starts near the solution, on the whole grid and on half of it. */
+/* If the basis contains the solution, the solver finds it from a start nearby, on the whole grid
+ * and on the half grid. */
 static void a_basis_with_the_solution_finds_it(void **state) {
     (void)state;
     for (int b = 0; b < NUM_BASES; b++) {
@@ -138,7 +140,7 @@ static void a_basis_with_the_solution_finds_it(void **state) {
     }
 }
 
-/* The full model's solutions are symmetric, and half of the grid gives the same solutions. */
+/* The full model's solutions are symmetric. The half grid gives the same solutions. */
 static void half_is_half_of_the_whole(void **state) {
     (void)state;
     for (size_t s = 0; s < TRAINED_STATES; s++) {
@@ -153,7 +155,8 @@ static void half_is_half_of_the_whole(void **state) {
 
 // ---- the exit line
 
-/* Returns K V_p at one node, with V_p cut at an exit line, by a direct sum over the whole plane. */
+/* Returns K V_p at one node as a direct sum over the whole plane, where the mode V_p is set to zero
+ * behind an exit line. */
 static double dense_deflection(const reduced_basis *basis, const size_t *exit, size_t node,
                                size_t mode) {
     const ehd_grid *grid = &basis->grid;
@@ -173,7 +176,8 @@ static double dense_deflection(const reduced_basis *basis, const size_t *exit, s
     return sum;
 }
 
-/* Returns the product of dense_deflection with a deformation mode, computed by FFT. */
+/* Returns the product of a deformation mode with K V_p at all nodes, where K V_p is computed by
+ * FFT. */
 static double projected_deflection(const reduced_basis *basis, const size_t *exit, size_t row,
                                    size_t mode) {
     const ehd_grid *grid = &basis->grid;
@@ -211,8 +215,8 @@ static double dense_cut(const reduced_model *model, const reduced_basis *basis, 
                : projected_deflection(basis, exit, row, mode);
 }
 
-/* Compares tables of the deflections by modes at a list of nodes, [count, num_pressure], with
- * direct sums. */
+/* Compares a table of the deflections that the pressure modes cause at a list of nodes with direct
+ * sums. films: [count, num_pressure]. */
 static void check_films(const double *films, const size_t *nodes, size_t count,
                         const reduced_basis *basis, const size_t *exit) {
     for (size_t q = 0; q < count; q += 7)
@@ -229,7 +233,7 @@ static void check_cut(const double *cut, const reduced_model *model, const reduc
                         1e-11, 1e-11);
 }
 
-/* Returns rows all over the grid, some of them at exits. */
+/* Returns rows that are spread over the grid, some of them at exits. */
 static size_t *some_rows(size_t *count, const ehd_grid *grid) {
     size_t *rows = malloc(grid->num_inner * sizeof *rows);
 
@@ -265,7 +269,8 @@ static void cut_tables_equal_plain_sums(void **state) {
                         control->needed_node, control->num_needed, basis,
                         model->checkpoints.exit + c * model->band.num_lines);
 
-        // exits before and behind a checkpoint, with more nodes than a block has
+        // change the table from a checkpoint to exits before and behind it; together these lines
+        // have more nodes than a block
         cut_run *runs = malloc(model->band.num_lines * sizeof *runs);
         double *work =
             malloc(CUT_BLOCK * (model->cut.num_rows + model->num_pressure) * sizeof *work);
@@ -286,8 +291,8 @@ static void cut_tables_equal_plain_sums(void **state) {
     }
 }
 
-/* An exit line that is off by a column on each line is corrected: the full-rank model has pressure
- * behind it, whose sign shows the error. */
+/* If a start has an exit that is wrong by one column on each grid line, the solver corrects it. The
+ * model has a mode for every node, so the signs of the pressures at the exit show the error. */
 static void exit_lines_are_found(void **state) {
     (void)state;
     const size_t s = 6;
@@ -296,7 +301,7 @@ static void exit_lines_are_found(void **state) {
 
     reduced_problem_init(&reduced, &basis, NULL, 0, &strict_settings);
     const reduced_states *states = &basis.states;
-    for (size_t apart = 0; apart < 3; apart += 2) { // the exits one column back, then one column on
+    for (size_t apart = 0; apart < 3; apart += 2) { // exits shifted by -1 column, then by +1
         size_t n = reduced.model.num_unknowns;
         memcpy(reduced.state.coordinates, states->coordinates + s * n, n * sizeof(double));
         reduced_state_set_exits(&reduced.state, &reduced.model,
@@ -310,8 +315,8 @@ static void exit_lines_are_found(void **state) {
     reduced_basis_free(&basis);
 }
 
-/* If the exit is searched on every second line only, it is interpolated between them, and the film
- * hardly changes. */
+/* If the exit is searched only on every second grid line, it is interpolated on the other lines.
+ * The film hardly changes. */
 static void exits_between_lines_are_interpolated(void **state) {
     (void)state;
     const size_t s = 6;
@@ -340,8 +345,8 @@ static void exits_between_lines_are_interpolated(void **state) {
     reduced_problem_free(&reduced);
 }
 
-/* Neighbouring states of one M lie on a straight line. A fit to neighbours on two such lines must
- * not be taken for the fit of a plane. */
+/* Training states with the same M lie on a straight line in the plane of M and alpha p_H. A guess
+ * from neighbours on such a line must not extrapolate far, as a fit of a plane to them would. */
 static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
     (void)state;
     reduced_states *states;
@@ -352,7 +357,7 @@ static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
     states = &reduced.model.states;
     size_t n = states->num_unknowns;
     for (size_t s = 0; s < states->num_states; s++) {
-        states->moes_M[s] = s % 2 ? 20 : 40; // six states of one M, far from the others
+        states->moes_M[s] = s % 2 ? 20 : 40; // six states with each M; the two M are far apart
         states->alpha_p_H[s] = 8 + 0.1 * (double)(s / 2);
     }
     for (size_t s = 1; s < states->num_states; s += 2) {
@@ -360,7 +365,8 @@ static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
         most = fmax(most, states->coordinates[s * n]);
     }
     const double extent = most - least;
-    // at many places, because round-off hides the line from the factorisation only at some of them
+    // tried at many places, because only at some of them round-off makes the factorisation take the
+    // line for a plane
     for (double M = 20.1; M < 20.6; M += 0.1)
         for (double pressure = 8.03; pressure < 8.5; pressure += 0.01) {
             reduced_guess(&reduced.state, &reduced.model,
@@ -371,9 +377,9 @@ static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
     reduced_problem_free(&reduced);
 }
 
-/* Exits on lines beside the boundary lines, for which the band has no nodes, must not read behind
- * the table of the only checkpoint. The numbers behind this table are NaN; the exits must still
- * move to their places. */
+/* The band has no nodes on boundary lines. If the exit moves on a line next to a boundary line, the
+ * solver must not read behind the table of the only checkpoint. Here the numbers behind this table
+ * are NaN, and the exits must still move to their right places. */
 static void exits_beside_the_boundary_need_nothing_behind_the_band(void **state) {
     (void)state;
     for (int g = 0; g < 2; g++) {
@@ -406,8 +412,8 @@ static void exits_beside_the_boundary_need_nothing_behind_the_band(void **state)
     }
 }
 
-/* The band of each line contains its exits and the nodes that rows at exits of this line and its
- * neighbours need. */
+/* The band of a grid line contains the line's exits. It also contains the nodes of this line that
+ * rows at exits of the line and of the neighbouring lines need. */
 static void the_band_has_what_rows_at_exits_need(void **state) {
     (void)state;
     for (int g = 0; g < 2; g++) {

@@ -11,7 +11,7 @@
 #include <string.h>
 
 static trained training;      // 301 nodes, a checkpoint every second node
-static reduced_basis coupled; // all modes that the training spans
+static reduced_basis coupled; // as many modes as the training spans
 static reduced_basis independent;
 
 static const struct {
@@ -44,7 +44,8 @@ static void solve_from_neighbour(reduced_problem *self, size_t s) {
     reduced_problem_solve(self, &training.contacts[s]);
 }
 
-/* Computes pressure and film on the whole grid by definition: modes cut at the exit, then K. */
+/* Computes pressure and film on the whole grid by definition. The pressure is zero behind the exit,
+ * and with a coupled basis the film contains the deflection K P. */
 static void full_fields(double *pressure, double *film, const reduced_problem *self,
                         const reduced_basis *basis) {
     const ehd_grid *grid = &basis->grid;
@@ -71,7 +72,7 @@ static void full_fields(double *pressure, double *film, const reduced_problem *s
     deflection_free(deflection);
 }
 
-/* Checks that the library gives the same fields with coupled bases, for any exit of the state. */
+/* Checks that fields_of computes the same fields for a coupled basis, whatever the exit. */
 static void check_fields(const reduced_problem *self, const reduced_basis *basis) {
     const size_t num_nodes = basis->grid.num_nodes;
     double *both = calloc(4 * num_nodes, sizeof *both);
@@ -91,7 +92,7 @@ static double *fields(void) {
     return memory;
 }
 
-/* Checks that the solution is that of the full solver, at all nodes. */
+/* Checks that the solution equals the solution of the full solver at all nodes. */
 static void check_is_training_state(const reduced_problem *self, const reduced_basis *basis,
                                     size_t s, double tolerance) {
     size_t num_nodes = basis->grid.num_nodes;
@@ -107,7 +108,7 @@ static void check_is_training_state(const reduced_problem *self, const reduced_b
     free(pressure);
 }
 
-/* Returns 1 … count in a fixed irregular order. */
+/* Returns the numbers 1 … count in an irregular order, which is the same in each run. */
 static size_t *shuffled_nodes(size_t count) {
     size_t *nodes = malloc(count * sizeof *nodes);
     unsigned long long random = 12345;
@@ -140,9 +141,9 @@ static void full_rank_reproduces_the_full_model(void **state) {
     reduced_basis_free(&basis);
 }
 
-/* Starts near the solution, with its exit. From a later exit the solver might stop some nodes too
- * far downstream: this basis has no pressure there whose sign would show the error
- * (moving_the_exit_…). */
+/* Starts near the solution, with the exit of the solution. From an exit farther downstream, the
+ * solver might stop some nodes behind the right exit. With this basis no pressure there has a sign
+ * that shows the error (moving_the_exit_…). */
 static void a_basis_with_the_solution_finds_it(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
@@ -176,7 +177,8 @@ static void all_rows_in_any_order_are_level_i(void **state) {
             solve_from_neighbour(&level_i, s);
             solve_from_neighbour(&level_n, s);
             assert_int_equal(level_n.state.exit, level_i.state.exit);
-            // about 22 iterations; the last change is as small as the round-off from the order of the rows
+            // Both need about 22 iterations. The number may differ, because the last change is as
+            // small as the round-off that depends on the order of the rows.
             assert_in_range(level_n.info.iterations + 1, level_i.info.iterations,
                             level_i.info.iterations + 2);
             check_close(level_n.info.scalars.central_film_thickness,
@@ -192,7 +194,7 @@ static void all_rows_in_any_order_are_level_i(void **state) {
     free(nodes);
 }
 
-/* Solves least squares by LAPACK, or fails. */
+/* Solves least squares by LAPACK; call number fails_at fails. */
 typedef struct other_solver {
     size_t calls, fails_at;
 } other_solver;
@@ -219,7 +221,7 @@ static ehd_status solve_otherwise(double *step, void *context, const double *mat
     return EHD_OK;
 }
 
-/* One problem, solved with the model's own linear solver and with another one. */
+/* One problem with two linear solvers: the model's own solver and another solver. */
 typedef struct two_ways {
     other_solver other;
     reduced_basis small;
@@ -270,8 +272,8 @@ static void another_linear_solver_may_be_put_in(void **state) {
     two_ways_free(&ways);
 }
 
-/* Returns first a step that is far too long and is damped, then one that is far too short, then the
- * least-squares steps. */
+/* Returns the least-squares step, except in two calls. The first step is far too long and is
+ * therefore damped; the second step is far too short. */
 static ehd_status overshoot(double *step, void *context, const double *matrix, const double *right,
                             size_t num_rows, size_t num_unknowns) {
     other_solver *self = context;
@@ -329,10 +331,10 @@ static void truncated_bases_stay_near(void **state) {
     }
 }
 
-/* Solves each training point from the solution of each other one, in the published discretisation.
- * Damping and the longest stride of the exit make all of these solutions converge, with 850
- * iterations. (In the accurate discretisation 8 of 144 end in another minimum of the residual, all
- * at the lightest load with the most viscous lubricant.) */
+/* Solves each training point, starting from the solution of each training point, in the published
+ * discretisation. Because of damping and a limit of the exit's strides all these solutions
+ * converge, with 850 iterations. (In the accurate discretisation 8 of 144 solutions end in another
+ * minimum of the residual. All 8 have the lightest load and the most viscous lubricant.) */
 static void any_trained_solution_leads_to_any_other(void **state) {
     (void)state;
     const reduced_settings settings = reduced_default_settings();
@@ -405,7 +407,7 @@ static void thinned_full_rank_reproduces_the_full_model(void **state) {
     (void)state;
 
     check_full_rank(trained_init_thinned);
-    // thinning changes the flow, and the thickest film by a tenth
+    // thinning changes the flow: it reduces the thickest film by more than a tenth
     trained_init_thinned(&thinned, 0.04);
     trained_init_accurate(&newtonian, 0.04);
     assert_true(thinned.states->central_film_thickness[2] <
@@ -414,8 +416,8 @@ static void thinned_full_rank_reproduces_the_full_model(void **state) {
     trained_free(&newtonian);
 }
 
-/* A large Eyring stress gives the Newtonian film, a small one does not. The mobility of this fluid
- * is exponential, so no mobility is needed between the nodes. */
+/* A large Eyring stress gives the Newtonian film, a small stress does not. The mobility of this
+ * fluid is exponential in the pressure, so no mobility between the nodes is needed. */
 static void thinned_solutions_have_the_newtonian_limit(void **state) {
     (void)state;
     trained thinned;
@@ -442,7 +444,7 @@ static void thinned_solutions_have_the_newtonian_limit(void **state) {
     trained_free(&thinned);
 }
 
-/* The last row of a least-squares problem, that of the exit cell. */
+/* The last row of a least-squares problem, which belongs to the exit cell. */
 typedef struct last_row {
     double matrix[TRAINED_STATES * 4], right;
 } last_row;
@@ -458,8 +460,8 @@ static ehd_status keep_last_row(double *step, void *context, const double *matri
     return EHD_NOT_CONVERGED;
 }
 
-/* The exit is computed from the flux each time, so the residual of its row depends only on the
- * coordinates. Exits are at a checkpoint and behind one. */
+/* The place of the exit in its cell is computed from the flux each time, so the residual of the
+ * cell's row depends only on the coordinates. One exit is at a checkpoint, the other behind one. */
 static void the_cell_s_row_equals_finite_differences(void **state) {
     (void)state;
     trained accurate;
@@ -563,11 +565,11 @@ static void thinned_rows_equal_finite_differences(void **state) {
     trained_free(&thinned);
 }
 
-// ---- the exit's moves
+// ---- moving the exit
 
-/* Newton moves a wrong exit node by node and in strides, each with a rank-k update of the tables.
- * The reported results come from the updated tables. They must be those of the final state by
- * definition, and independent of the first exit. */
+/* Newton's iteration moves a wrong exit by one or several nodes at a time, each time with a rank-k
+ * update of the tables. The reported results come from the updated tables. They must equal the
+ * results that the final state has by definition, and must not depend on the first exit. */
 static void moving_the_exit_equals_rebuilding(void **state) {
     (void)state;
     enum { STATE = 4 };
@@ -607,7 +609,8 @@ static void moving_the_exit_equals_rebuilding(void **state) {
     free(pressure);
 }
 
-/* The exits of these contacts lie beyond the tables; the solver must keep them inside. */
+/* The right exits of these contacts lie outside of the exit band. The solver must keep its exit
+ * inside, because its tables end there. */
 static void the_exit_stays_inside_the_tables(void **state) {
     (void)state;
     const double moes_M[] = {2, 4, 5, 6, 7, 300};
@@ -649,8 +652,8 @@ static void minimum_film_is_that_of_the_fields(void **state) {
             full_fields(pressure, film, &reduced, basis);
             check_close(reduced.info.scalars.minimum_film_thickness,
                         trained_least_film(film, &basis->grid), 1e-11, 0);
-            // here all nodes are needed ones; for other coordinates only pressures in the band are
-            // compared
+            // Here all nodes are needed nodes. If other coordinates are given, as below, only the
+            // pressures in the band are computed from them.
             reduced_pressures range = reduced_pressure_range(reduced.solver, &reduced.state);
             double least = 0, largest = 0;
             for (size_t k = 0; k < num_nodes; k++) {
@@ -679,7 +682,7 @@ static void minimum_film_is_that_of_the_fields(void **state) {
 
 typedef struct observation {
     size_t num_rows, count;
-    double *residual, *step; // [num_rows], of the first iteration
+    double *residual, *step; // [num_rows] each, of the first iteration
 } observation;
 
 static ehd_status observe_first(void *context, const double *residual, const double *step,
@@ -735,8 +738,8 @@ static void the_observer_is_told_what_became_of_a_solution(void **state) {
     }
 }
 
-/* Compares (D f(z + t dz) - D f(z - t dz)) / 2t with the recorded D J dz, for states off the
- * solution. */
+/* Compares (D f(z + t dz) - D f(z - t dz)) / 2t with the recorded D J dz, at states that are no
+ * solutions. */
 static void jacobian_equals_finite_differences(void **state) {
     (void)state;
     const reduced_settings once = {.tolerance = 1e-12, .max_iterations = 1};

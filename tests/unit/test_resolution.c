@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Estimated effects of domain and step on a solution, against solutions on longer domains and finer
- * grids. */
+/* Estimated effects of the domain's length and of the grid step on a solution. The estimates are
+ * compared with solutions on longer domains and finer grids. */
 #include "fullrun/resolution.h"
 
 #include "tests/unit/allocation.h"
@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-/* Computes a cold solution; free with full_state_free. */
+/* Computes a solution from a cold start. The caller frees it with full_state_free. */
 static void solve(full_state *state, const ehd_contact *contact) {
     const full_settings settings = full_default_settings();
     full_solver *solver;
@@ -63,8 +63,9 @@ static void set_inlet(ehd_contact *contact, double x_min) {
                             contact->grid.discretization);
 }
 
-/* Compares an inlet from -4 on with one from -32 on. Under light loads the load of the missing
- * inlet matters, and the minimum film may change more or less than the central film. */
+/* Compares an inlet that begins at -4 with an inlet that begins at -32. Under light loads the load
+ * of the missing inlet matters, and the minimum film may change more or less than the central
+ * film. */
 static void inlet_effect_is_what_a_long_inlet_does(void **state) {
     (void)state;
     static const struct {
@@ -83,14 +84,14 @@ static void inlet_effect_is_what_a_long_inlet_does(void **state) {
         set_inlet(&contact, -32);
         const film_pair wide = films_of(&contact);
         check_bound(found.of[EFFECT_INLET], wide.central / films.central - 1, 1.4);
-        // the estimate is at least that of the central film, which usually changes more
+        // this estimate is at least the estimate of the central film, which usually changes more
         check_bound(found.of[EFFECT_INLET_MINIMUM], wide.minimum / films.minimum - 1, 1.75);
     }
 }
 
-/* The load of the missing inlet is inversely proportional to the square of the inlet's length. So
- * an inlet of half the length has four times the effect, also with thick films such as of the rigid
- * isoviscous contact. */
+/* The load of the missing inlet is inversely proportional to the square of the inlet's length. If
+ * the inlet is half as long, the effect is four times as large. This holds also for thick films, as
+ * in a rigid isoviscous contact. */
 static void inlet_effect_of_a_thick_film(void **state) {
     (void)state;
     static const double cases[][2] = {{0.5, -32}, {1, -16}};
@@ -103,12 +104,12 @@ static void inlet_effect_of_a_thick_film(void **state) {
             film[k] = central_film(&contact);
         }
         check_close(effect[0] / effect[1], 4, 0.1, 0);
-        // doubling the length leaves a quarter of the effect
+        // the films differ by 3/4 of the effect, because twice the length leaves a quarter of it
         check_bound(effect[0], 4. / 3 * (film[1] / film[0] - 1), 1.35);
     }
 }
 
-/* Returns a point contact on a domain from -length on, with sides at half of the length. */
+/* Returns a point contact on a domain that begins at X = -length and ends at |Y| = length / 2. */
 static ehd_contact point_from(double moes_M, double moes_L, double length, double step) {
     ehd_contact contact = sample_point("barus", "incompressible", moes_M, moes_L, 24, true);
 
@@ -118,14 +119,15 @@ static ehd_contact point_from(double moes_M, double moes_L, double length, doubl
     return contact;
 }
 
-/* Compares with the change of the film up to the limit of long domains. The distance from this
- * limit is proportional to one over the length. These grids, like the estimate's, have twice the
- * step. For the minimum film the estimate is a bound. */
+/* Compares the estimate with the change of the film to the limit of long domains. This limit is
+ * extrapolated: the difference from it is proportional to one over the length. The films are
+ * computed on grids with twice the step, as in the estimate. For the minimum film the estimate is
+ * only an upper bound. */
 static void inlet_effect_of_a_point_contact(void **state) {
     (void)state;
     static const struct {
         double moes_M, moes_L, central; // largest ratio of estimate to effect
-        double minimum[2];              // bounds of the ratio for the minimum film
+        double minimum[2];              // limits of this ratio for the minimum film
     } cases[] = {{10, 0, 1.62, {1, 12}}, {6, 0, 1.62, {1, 3}}, {15, 1, 1.62, {1, 12}}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const double lengths[] = {6, 24, 48}, M = cases[i].moes_M, L = cases[i].moes_L;
@@ -144,8 +146,8 @@ static void inlet_effect_of_a_point_contact(void **state) {
     }
 }
 
-/* Returns a point contact with far field on a domain from -length on, with sides at three quarters
- * of the length. */
+/* Returns a point contact with far field. Its domain begins at X = -length and ends at |Y| = 3/4
+ * length. */
 static ehd_contact open_point_from(double moes_M, double moes_L, double length, double step,
                                    bool half) {
     ehd_contact contact = sample_point("barus", "incompressible", moes_M, moes_L, 24, half);
@@ -158,8 +160,8 @@ static ehd_contact open_point_from(double moes_M, double moes_L, double length, 
 }
 
 /* Compares the estimated inlet effect with the change of the film on a domain of twice the length.
- * Both films are on grids of twice the step; the estimate uses four times the step. With zero
- * pressure around the domain these effects are 30 to 100 times as large. */
+ * Both films are computed on grids with twice the step; the estimate uses four times the step. If
+ * the pressure around the domain were zero, these effects would be 30 to 100 times as large. */
 static void inlet_effect_of_an_open_point_contact(void **state) {
     (void)state;
     // M, L, length, step
@@ -195,8 +197,8 @@ static ehd_contact in_size(ehd_contact contact) {
     return contact;
 }
 
-/* The estimate for the rolling resistance is between one and four times the effect. References: an
- * inlet from -24 on, and a domain of three times the length. */
+/* The estimate for the rolling resistance is between one and four times the effect. The effect is
+ * the change with an inlet that begins at -24, or for points with a domain three times as long. */
 static void inlet_effect_of_the_rolling(void **state) {
     (void)state;
     static const double lines[][2] = {{5, 10}, {10, 2.5}, {40, 10}}; // M, L
@@ -220,7 +222,7 @@ static void inlet_effect_of_the_rolling(void **state) {
     }
 }
 
-/* Compares with the extrapolation from two finer grids. */
+/* Compares the estimate with an extrapolation from two finer grids. */
 static void step_effect_is_what_a_fine_step_does(void **state) {
     (void)state;
     static const double cases[][2] = {{12, 12}, {40, 5}, {100, 2.5}, {20, 0}};
@@ -241,10 +243,11 @@ static void step_effect_is_what_a_fine_step_does(void **state) {
     }
 }
 
-/* Estimates for the minimum film and the accurate discretisation. At M = 100, L = 20 the error of
- * the central film falls by a factor of 70, faster than the third order that the estimate assumes
- * at most. At M = 5 it falls with first order, because of the place of zero pressure before the
- * inlet. At M = 20 both errors occur, with opposite signs. */
+/* Tests the estimates for both films, also in the accurate discretisation. At M = 100, L = 20 the
+ * error of the central film falls by a factor of 70. This is faster than with third order, the
+ * highest order of the estimate. At M = 5 the error falls with first order, because the place of
+ * zero pressure before the inlet depends on the step. At M = 20 both errors occur, with opposite
+ * signs. */
 static void step_effects_are_of_the_right_size(void **state) {
     (void)state;
     static const struct {
@@ -271,7 +274,8 @@ static void step_effects_are_of_the_right_size(void **state) {
     }
 }
 
-/* The rows of points have second order, and the far field begins farther out with a larger step. */
+/* The rows of point contacts have second order. With a larger step the far field also begins
+ * farther out. */
 static void step_effect_of_a_point_contact(void **state) {
     (void)state;
     static const double cases[][2] = {{3, 0}, {10, 5}, {20, 0}}; // M, L
@@ -287,7 +291,7 @@ static void step_effect_of_a_point_contact(void **state) {
     }
 }
 
-/* Makes films F (1 + c h^p) on steps h, 2h, 4h. */
+/* Makes the films F (1 + c h^p) for the steps h = 1, 2 and 4. */
 static void make_films(double films[3], double limit, double error, double order) {
     for (int g = 0; g < 3; g++)
         films[g] = limit * (1 + error * exp2(g * order));
@@ -301,8 +305,9 @@ static void orders_of_manufactured_films(void **state) {
         for (double error = -0.01; error <= 0.01; error += 0.02) {
             make_films(films, 0.3, error, order);
             check_close(full_observed_order(films), order, 1e-10, 0);
-            // for orders from 1 to the assumed one the estimate is exact; else it is the largest
-            // change, with second order
+            // If the order is 1 to 2, the highest order of this estimate, the estimate is exact. If
+            // it is lower, the estimate is the change from 2h to h. If it is higher, the estimate
+            // follows with second order from the change from 4h to 2h.
             const double change = fabs(films[0] - films[1]) / films[0];
             const double exact = fabs(0.3 / films[0] - 1);
             const double found = full_step_effect(films, 2, 1, 0.5);
@@ -326,21 +331,23 @@ static void films_without_an_order(void **state) {
     assert_true(isnan(full_observed_order(no_third)));
     check_close(full_step_effect(to_and_fro, 2, 0.04, 0.5), 0.03, 1e-12, 0);
     check_close(full_step_effect(no_third, 2, 0.04, 0.5), 0.03, 1e-12, 0);
-    // too large changes allow no estimate
+    // if the change exceeds the limit of 0.02, there is no estimate
     assert_true(isinf(full_step_effect(to_and_fro, 2, 0.02, 0.5)));
     assert_true(isinf(full_step_effect(no_third, 2, 0.02, 0.5)));
     assert_true(isinf(full_step_effect(alone, 2, 1, 0.5)));
-    // the finest two agree although the third is far off: by second order the error is 0.12 / 4 / 3
+    // the two finest films agree by chance, but the third film is far off: with second order the
+    // estimate is 0.12 / 4 / 3
     check_close(full_step_effect(by_chance, 2, 0.02, 0.5), 0.01, 1e-6, 0);
     check_close(full_step_effect(by_chance, 3, 0.02, 0.5), 0.12 / 8 / 7, 1e-6, 0);
-    // half of the larger of two: the finer change, and the coarser one reduced by second order
+    // changes of opposite sign: a fraction of the change from 2h to h, or of a quarter of the
+    // change from 4h to 2h if this is larger
     check_close(full_step_effect(across, 2, 0.001, 0.5), 0.005, 1e-12, 0);
     check_close(full_step_effect(across, 2, 0.001, 1), 0.01, 1e-12, 0);
     check_close(full_step_effect((const double[]){1, 1.01, 0.77}, 2, 0.001, 0.5), 0.03, 1e-12, 0);
 }
 
-/* Uses the published discretisation. In the accurate one, pressures alternate before a spike that
- * the grid does not resolve, so the spike is one node wide on both grids. */
+/* Uses the published discretisation. In the accurate discretisation neither grid resolves the
+ * spike: pressures before it alternate from node to node, and it is one node wide on both grids. */
 static void nodes_grow_with_the_grid(void **state) {
     (void)state;
     const ehd_contact coarse =
@@ -352,12 +359,13 @@ static void nodes_grow_with_the_grid(void **state) {
     check_close((double)many.outlet_nodes, 4. * (double)few.outlet_nodes, 0.15, 0);
     assert_true(few.spike_nodes >= 1 && many.spike_nodes > few.spike_nodes);
     assert_true(few.inlet_nodes > 50 && few.inlet_nodes < 200);
-    // without piezoviscosity there is one maximum
+    // without piezoviscosity the pressure has one maximum and no spike
     ehd_contact smooth = sample_contact("barus", "incompressible", 12, 0, 0.01);
     assert_int_equal(estimate(&smooth).spike_nodes, 0);
 }
 
-/* On a grid that just resolves the film, twice the step does not resolve it. */
+/* If a grid just resolves the film, a grid with twice the step does not resolve it, and there is no
+ * estimate. */
 static void too_coarse_to_tell(void **state) {
     (void)state;
     ehd_contact contact = sample_contact("barus", "incompressible", 500, 0, 0.01);
@@ -366,18 +374,18 @@ static void too_coarse_to_tell(void **state) {
     assert_true(isinf(resolution.effects.of[EFFECT_STEP_MINIMUM]));
     assert_true(isnan(resolution.order));
     assert_true(isfinite(resolution.effects.of[EFFECT_INLET]));
-    // twice the step gives a different solution: the central film is 6 %, the minimum film 36 % off
+    // with twice the step the central film differs by 6 % and the minimum film by 36 %
     contact = sample_contact("barus", "incompressible", 1000, 10, 0.02);
     resolution = estimate(&contact);
     assert_true(isinf(resolution.effects.of[EFFECT_STEP]));
     assert_true(isinf(resolution.effects.of[EFFECT_STEP_MINIMUM]));
-    // four steps per half width on a point contact: the central film is 19 % off
+    // with four steps per half width the central film of this point contact is wrong by 19 %
     contact = open_point_from(5.2, 18, 4, 0.25, true);
     resolution = estimate(&contact);
     assert_true(isinf(resolution.effects.of[EFFECT_STEP]));
 }
 
-/* Tries an even number of nodes, and one for which no node of the coarser grid lies at X = 0. */
+/* Tries an even number of nodes, and grids whose coarser grid has no node at X = 0. */
 static void any_number_of_nodes(void **state) {
     (void)state;
     ehd_contact contact = sample_contact("barus", "incompressible", 12, 8, 0.01);
@@ -416,8 +424,8 @@ static void estimate_without_memory(void **state) {
     }
 }
 
-/* Coarser grids of a point contact may extend farther to the sides than the grid. Half and whole
- * contacts must agree. */
+/* The coarser grids of a point contact may extend farther to the sides than its own grid. Half and
+ * whole contacts must have the same estimates. */
 static void half_and_whole_say_the_same(void **state) {
     (void)state;
     for (size_t cells = 48; cells <= 54; cells += 2) {

@@ -9,8 +9,8 @@
 static marched first, second, third;
 static ehd_error error;
 
-/* Returns a line with M = 20, L = 6, or a point with M = 20, L = 5, on a grid flooded on both
- * sides. */
+/* Returns a line contact with M = 20, L = 6, or a point contact with M = 20, L = 5. The grid has a
+ * long inlet on both sides. */
 static scene scene_of(bool point, const char *transient) {
     scene of = point ? marched_point(transient)
                      : marched_scene(20, 6, "dowson-higginson", 0.05, transient);
@@ -30,8 +30,8 @@ static void check_same_values(const double *a, const double *b, size_t count, do
         check_close(a[i], b[i], tolerance, 0);
 }
 
-/* Returns the largest difference of the last film of a march from the mirror image of another, for
- * |X| up to 1.2. The difference is relative to the central film. */
+/* Compares the last film of one march with the mirror image of the last film of another march, for
+ * |X| up to 1.2. Returns the largest difference, relative to the central film. */
 static double off_mirror(const marched *self, const marched *other) {
     const ehd_grid *grid = &self->reference.grid;
     const size_t width = grid_width(grid);
@@ -46,14 +46,14 @@ static double off_mirror(const marched *self, const marched *other) {
     return largest / last_of(self, self->film);
 }
 
-/* A negative speed gives the mirror image of a positive one, from the start on. The grid need not
- * be symmetric. */
+/* From the start on, a negative speed gives the mirror image of the results for a positive speed.
+ * The grid need not be symmetric. */
 static void negative_speeds_are_mirror_images(void **state) {
     static const char *const transients[] = {
         "end_time: 1, fixed_step: 0.02, load: {law: sine, amplitude: 0.2, period: 0.5}, "
         "start_speed: 1",
         "end_time: 1, fixed_step: 0.05, approach: {law: sine, amplitude: 0.05, period: 1}",
-        // longer runs would choose other steps because of round-off
+        // in longer runs round-off would lead to other steps
         "end_time: 0.15, tolerance: 1e-4, load: {law: sine, amplitude: 0.2, period: 0.5}"};
     (void)state;
     for (int i = 0; i < 4; i++) {
@@ -85,13 +85,13 @@ static void negative_speeds_are_mirror_images(void **state) {
     }
 }
 
-/* The fluid moves by 2.5 half widths, more than the length of the contact. Otherwise the film of
- * the start would remain in the contact. */
+/* In half a period the fluid moves by 2.5 half widths, more than the length of the contact. With a
+ * shorter path a part of the initial film would remain in the contact. */
 static const char to_and_fro[] = "fixed_step: 0.04, "
                                  "speed: {law: sine, mean: 0, amplitude: 1, period: 8, "
                                  "phase: 1.5707963267948966}";
 
-/* Checks that exits lie on the side to which the entrainment leads. */
+/* Checks that exits lie on the downstream side of the contact, which changes with the speed. */
 static void check_exits(const marched *self) {
     for (size_t k = 1; k < self->count; k++) {
         const double speed = cos(2 * M_PI * self->time[k] / 8);
@@ -100,7 +100,8 @@ static void check_exits(const marched *self) {
     }
 }
 
-/* Once the start has no effect any more, all fields half a period later are the mirror image. */
+/* Once the start has no effect any more, the fields are the mirror image of the fields half a
+ * period before. */
 static void half_a_period_later_is_the_mirror_image(void **state) {
     char transient[256];
     (void)state;
@@ -123,8 +124,8 @@ static void half_a_period_later_is_the_mirror_image(void **state) {
     }
 }
 
-/* Each interval with pressure ends at an exit, on the side to which the entrainment leads. Noise
- * has no exit. */
+/* Each interval with pressure has an exit at its downstream end. An interval whose pressures are
+ * only noise has no exit. */
 static void every_interval_has_an_exit(void **state) {
     (void)state;
     const ehd_grid grid = grid_of(-2, 0.25, 17, 1, false, DISCRETIZATION_ACCURATE);
@@ -150,7 +151,7 @@ static void every_interval_has_an_exit(void **state) {
         of.ruptured[k] = k % 2 == 0;
         of.pressure[k] = (double)(k % 2);
     }
-    full_list_exits(exits, &of, &grid, false); // the exits farthest downstream
+    full_list_exits(exits, &of, &grid, false); // only the exits farthest downstream
     for (size_t i = 0; i < GRID_EXITS; i++)
         check_close(exits[i], grid_x(&grid, 18 - 2 * i), 0, 0);
     full_state_free(&of);
@@ -183,8 +184,8 @@ static void half_is_whole(void **state) {
     marched_end(&second);
 }
 
-/* A start at rest is the stationary film of another speed, in either direction, or a dry contact.
- * After a period all of them give the same film. */
+/* A run that starts at rest begins with the stationary film of another speed, in either direction,
+ * or with a dry contact and a constant film. After a period all these starts give the same film. */
 static void starts_from_rest(void **state) {
     static const char rest[] = "end_time: 12, fixed_step: 0.04, "
                                "speed: {law: sine, mean: 0, amplitude: 1, period: 8}";
@@ -214,8 +215,8 @@ static void starts_from_rest(void **state) {
     marched_end(&first);
 }
 
-/* Error control through a reversal and back: repeated attempts and a restored march have the same
- * bits. */
+/* With error control and reversals, repeated attempts have the same bits. So does a march that is
+ * restored. */
 static void repeated_and_restored_steps_have_the_same_bits(void **state) {
     (void)state;
     const scene of = scene_of(false, "end_time: 3.4, tolerance: 1e-3, speed: {law: sine, mean: 0, "
@@ -247,7 +248,7 @@ static void repeated_and_restored_steps_have_the_same_bits(void **state) {
     marched_end(&first);
 }
 
-/* A short outlet is reported on either side. */
+/* If the outlet is too short, the step is untrusted, whatever the direction of motion. */
 static void a_short_outlet_is_not_to_be_trusted(void **state) {
     (void)state;
     for (int backwards = 0; backwards < 2; backwards++) {
@@ -257,7 +258,7 @@ static void a_short_outlet_is_not_to_be_trusted(void **state) {
         of.grid.x_max = backwards ? 2.5 : 1.15;
         of.transient.start_speed = backwards ? -1 : 1;
         marched_begin(&first, &of);
-        // squeezed by an additional half of the load
+        // the load rises by a half and squeezes the film
         const contact_frame frame =
             frame_at(&contact_line, 0.05, (double[]){1.5, of.transient.start_speed, 1, 1}, NAN);
         const march_solver *solver = &first.march.solver;

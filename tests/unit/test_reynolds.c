@@ -14,9 +14,9 @@
 static const char *const densities[] = {"incompressible", "dowson-higginson"};
 enum { NUM_DENSITIES = 2 };
 
-enum { NUM_NODES = 14 }; // number for a small grid, with boundary nodes
+enum { NUM_NODES = 14 }; // number of nodes of the small grid, with boundary nodes
 
-/* A small grid with all its stencils and fluid. */
+/* A contact on a small grid, with all stencils and memory for the fluid's properties. */
 typedef struct small_problem {
     ehd_contact contact;
     double memory[NUM_FLUID_ARRAYS * NUM_NODES];
@@ -38,7 +38,8 @@ static void small_rows(reynolds_row *rows, small_problem *small, double entrainm
                   &fluid, small->pressure, small->film);
 }
 
-/* Computes the derivative of the residuals by `*value`, a pressure or film of `small`. */
+/* Computes the derivatives of the residuals with respect to `*value` by central differences.
+ * `value` points to a pressure or film of `small`. */
 static void difference(double *derivative, small_problem *small, double *value) {
     reynolds_row up[NUM_NODES - 2], down[NUM_NODES - 2];
     double kept = *value, h = 1e-5 * kept;
@@ -52,7 +53,8 @@ static void difference(double *derivative, small_problem *small, double *value) 
         derivative[r] = (up[r].residual - down[r].residual) / (2 * h);
 }
 
-/* Returns the analytic derivative by the value at `node`; zero if it is not in the stencil. */
+/* Returns a row's analytic derivative with respect to the value at `node`. `by`: derivatives of the
+ * row. Returns zero if the node is not in the stencil. */
 static double by_node(const double *by, const reynolds_stencil *stencil, size_t node) {
     for (int a = 0; a < NUM_STENCIL; a++)
         if (stencil->node[a] == node) return by[a];
@@ -109,7 +111,7 @@ static void row_derivatives(void **state) {
             ehd_contact contact = sample_contact(sample_lubricants[l], densities[d / 2], 5, 6, 0.1);
             if (d % 2) contact.grid.discretization = DISCRETIZATION_ACCURATE;
             check_row_derivatives(&contact);
-            // with gradients Sigma of up to 0.3, 6 and 60
+            // thinned flows with dimensionless pressure gradients Sigma of up to 0.3, 6 and 60
             const double largest[] = {0.3, 6, 60};
             for (int i = 0; i < 3; i++) {
                 contact = thinned(contact, 3);
@@ -121,8 +123,8 @@ static void row_derivatives(void **state) {
         }
 }
 
-/* As the Eyring stress grows, the rows approach those of the Newtonian flow. The difference falls
- * with one over the square of the stress. */
+/* As the Eyring stress grows, the rows approach the rows of the Newtonian flow. The difference is
+ * inversely proportional to the square of the stress. */
 static void thinned_rows_have_the_newtonian_limit(void **state) {
     (void)state;
     const ehd_contact contact = sample_contact("roelands", densities[1], 5, 6, 0.1);
@@ -149,8 +151,9 @@ static void thinned_rows_have_the_newtonian_limit(void **state) {
     check_close(off[1], off[0] / 100, 0.02, 0);
 }
 
-/* If the pressures at both nodes of a link are equal, or nearly, the link has the Newtonian
- * mobility times the thinning at the stress of that pressure. */
+/* A link is the flow between two neighbouring nodes. If the pressures at both nodes are equal, or
+ * nearly equal, the link has the Newtonian mobility times the factor of thinning for the shear
+ * stress at this pressure. */
 static void thinned_links_are_of_the_stress_there(void **state) {
     (void)state;
     for (int d = 0; d < NUM_DENSITIES; d++) {
@@ -181,8 +184,8 @@ static void thinned_links_are_of_the_stress_there(void **state) {
     }
 }
 
-/* Neighbouring rows share the flux of the half node between them. Any order of rows, and single
- * rows, give the same result, with entrainment in both directions. */
+/* Neighbouring rows share the flux half way between their nodes. A row nevertheless has the same
+ * result in any order of the rows, and alone. This holds for entrainment in both directions. */
 static void rows_do_not_depend_on_those_beside(void **state) {
     const size_t shuffled[] = {4, 3, 5, 6, 0, 1, 11, 10, 8, 9, 2, 7};
     ehd_contact contact = sample_contact("no1", densities[1], 5, 6, 0.1);
@@ -216,7 +219,8 @@ static void rows_do_not_depend_on_those_beside(void **state) {
     }
 }
 
-/* Near the limits of floating point a node with zero mobility has no flow. */
+/* If the viscosity is so large that the mobility of a node underflows to zero, the node has no
+ * flow. */
 static void rows_are_finite_at_any_viscosity(void **state) {
     (void)state;
     ehd_contact contact = sample_contact("barus", "dowson-higginson", 1000, 20, 0.1);
@@ -238,10 +242,10 @@ static void rows_are_finite_at_any_viscosity(void **state) {
     }
 }
 
-/* Returns the largest residual, on 16 refine intervals, of a film H = 1/(1.5 + X/2) with the flux
- * 0.4 everywhere. With a Barus law the reduced pressure (1 - exp(-a P))/(a lambda) then has the
- * derivative (H - 0.4)/H^3, a polynomial. Only inner rows are compared, because rows near the inlet
- * have lower order. */
+/* Returns the largest residual of an exact solution on 16 * refine intervals. The film is
+ * H = 1/(1.5 + X/2), and the flux is 0.4 everywhere. With a Barus law the reduced pressure
+ * (1 - exp(-a P))/(a lambda) then has the derivative (H - 0.4)/H^3, a polynomial in X. Rows near
+ * the inlet are left out, because they have lower order. */
 static double residual_of_constant_flux(ehd_discretization discretization, size_t refine) {
     ehd_contact contact = sample_contact("barus", "incompressible", 2, 6, 0.1);
     const size_t count = 16 * refine, num_nodes = count + 3;
@@ -283,7 +287,8 @@ static void order_of_a_constant_flux(void **state) {
     }
 }
 
-/* Returns int mobility dP between two pressures, by `count` equal links. */
+/* Returns the integral of the mobility over P between two pressures, as a sum of `count` links with
+ * equal pressure differences. */
 static double reduced_change(const ehd_contact *contact, double before, double after,
                              size_t count) {
     const reynolds_stencil stencil = {.node = {[NODE_HERE] = 0, [NODE_AHEAD] = 1}};
@@ -300,8 +305,9 @@ static double reduced_change(const ehd_contact *contact, double before, double a
     return sum;
 }
 
-/* Links are exact if the viscosity is exponential in the pressure, else they have fourth order in
- * the difference. With compressibility they have second order, with a small factor. */
+/* If the viscosity is exponential in the pressure, links are exact. Otherwise links have fourth
+ * order in the pressure difference. For compressible lubricants they have second order, with a
+ * small factor. */
 static void order_of_the_reduced_pressure(void **state) {
     (void)state;
     for (size_t l = 0; l < NUM_SAMPLE_LUBRICANTS; l++) {
@@ -317,7 +323,7 @@ static void order_of_the_reduced_pressure(void **state) {
     }
 }
 
-/* For any pressures, the flow has the direction of the pressure drop. */
+/* Whatever the pressures, the flow is directed from the higher to the lower pressure. */
 static void flow_follows_the_pressures(void **state) {
     (void)state;
     for (size_t l = 0; l < NUM_SAMPLE_LUBRICANTS; l++) {
@@ -342,8 +348,8 @@ static void first_row_has_no_second_node_back(void **state) {
     assert_int_equal(second.node[NODE_BACK2], 0);
 }
 
-/* In an isoviscous contact pressure flow and entrainment can be computed exactly, including the
- * discretisation. */
+/* For an isoviscous lubricant and simple fields, the rows can be computed by hand, including their
+ * discretisation error. */
 static void manufactured_rows(void **state) {
     (void)state;
     ehd_contact contact = sample_published(sample_contact("barus", "dowson-higginson", 10, 0, 0.1));
@@ -361,7 +367,8 @@ static void manufactured_rows(void **state) {
     for (size_t r = 0; r < NUM_NODES - 2; r++)
         check_close(rows[r].residual, 0, 0, 1e-11 / lambda);
 
-    // linear film: H^3 from the means at half nodes gives 3 H^2 H' + H'^3 h^2
+    // linear film: half way between nodes H^3 is the mean of both nodes, so the derivative of H^3
+    // becomes 3 H^2 H' + H'^3 h^2
     for (size_t k = 0; k < NUM_NODES; k++)
         small.film[k] = 0.6 + film_slope * grid_x(&small.contact.grid, k);
     small_rows(rows, &small, 0.5);
@@ -398,7 +405,8 @@ static void squeezed_rows(reynolds_row *rows, const ehd_contact *contact,
     reynolds_rows(rows, &grid, 0.8, squeeze, stencils, NUM_NODES - 2, &fluid, pressure, film);
 }
 
-/* Checks the term rate rho H + previous, which affects only the row's own node. */
+/* Checks the squeeze term rate rho H + previous. It depends only on the values at the row's own
+ * node. */
 static void check_squeeze_derivatives(const ehd_contact *contact) {
     double pressure[NUM_NODES], film[NUM_NODES], previous[NUM_NODES - 2];
     reynolds_row rows[NUM_NODES - 2], steady[NUM_NODES - 2], up[NUM_NODES - 2], down[NUM_NODES - 2];
@@ -431,7 +439,7 @@ static void check_squeeze_derivatives(const ehd_contact *contact) {
             double slope = (up[k - 1].residual - down[k - 1].residual) / (2 * h);
             check_close(of_film ? row->by_film[NODE_HERE] : row->by_pressure[NODE_HERE], slope,
                         1e-6, 1e-7);
-            // rows of the neighbours do not contain the squeeze
+            // derivatives with respect to other nodes do not contain the squeeze
             for (int a = 0; a < NUM_STENCIL; a++)
                 if (a != NODE_HERE) {
                     check_close(row->by_film[a], steady[k - 1].by_film[a], 0, 0);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Checks that the pages in schemas/ show the tables of the code, and that the tables are
- * consistent. With UPDATE_SCHEMAS=1 in the environment the tables are written into the pages first;
- * test_settings does that for scene.md. */
+ * consistent. With UPDATE_SCHEMAS=1 in the environment, this test first writes the tables into the
+ * pages. The page scene.md belongs to test_settings. */
 #include "common/artefact/artefact.h"
 #include "tests/unit/check.h"
 
@@ -38,7 +38,7 @@ static char *table_of(const artefact_schema *schema) {
     return text;
 }
 
-/* Splits the page in place into the text before, between and after the marks. */
+/* Splits a page in place into the text before, between and behind two marks. */
 static void split_page(char *page, char **table, char **rest, const char *path) {
     char *begin = strstr(page, begin_mark);
     char *end = begin ? strstr(begin, end_mark) : NULL;
@@ -120,7 +120,8 @@ static void check_axes(const artefact_schema *schema, const artefact_field *fiel
     if (field->type == ARTEFACT_TEXT) fail_msg("%s: %s: text", schema->name, field->name);
 }
 
-/* Checks a scale: it has attributes with SI units of the same table, and a frame along one axis. */
+/* Checks the scale of a field or attribute: whether the scale's attributes are in the same schema
+ * and have SI units, and whether its frame is a field along one axis. */
 static void check_scale(const artefact_schema *schema, const char *name, const char *units,
                         const artefact_scale *scale) {
     if (!scale) return;

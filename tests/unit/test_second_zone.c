@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A gap that closes behind the exit, in which a second zone of pressure builds up. */
+/* The gap behind the exit may close. Then a second zone of pressure builds up in this gap. */
 #include "tests/unit/marched.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 static marched first, second;
 static ehd_error error;
 
-/* Returns a line whose radius grows from 1 by a ramp. */
+/* Returns a line contact whose radius grows from 1 to `radius` along a ramp. */
 static scene growing(double moes_M, double step, double x_min, double x_max, const char *speed,
                      double radius, double duration, const char *steps) {
     char transient[512];
@@ -23,9 +23,9 @@ static scene growing(double moes_M, double step, double x_min, double x_max, con
     return of;
 }
 
-// ---- the zone against a separate quadrature
+// ---- the zone, compared with an independent quadrature
 
-/* A gap that closes: X^2/2, or the gap beside a dry contact, plus a film. */
+/* A gap that closes. Its height is `film` plus X^2/2, or plus the gap beside a dry contact. */
 typedef struct closing {
     double lambda, growth, speed, film;
     bool dry_contact;
@@ -38,10 +38,11 @@ static double gap_at(const closing *of, double x, double *slope) {
     return of->film + (of->dry_contact ? (x * root - log(x + root)) / 2 : x * x / 2);
 }
 
-/* Finds the pressure at num + 1 places from begin to end, with P = dP/dX = 0 at the first place.
+/* Computes the pressure at num + 1 places from begin to end, with P = dP/dX = 0 at the first place.
  * The balance of mass, h^3 dP/dX = lambda int (U - growth X/2) dh/dX dX, is integrated by the
  * trapezoidal rule. The term with growth is the squeeze. Under constant load the gap of a line is
- * (a^2/R) g(x/a). Its height a^2/R does not change while R grows; only its length a does. */
+ * (a^2/R) g(x/a). While R grows, the height a^2/R of the gap stays constant, and its length a
+ * changes. */
 static void integrate(double *pressure, const closing *of, double begin, double end, size_t num) {
     const double step = (end - begin) / (double)num;
     double flow = 0, rate = 0, slope_before = 0, h_slope;
@@ -57,10 +58,11 @@ static void integrate(double *pressure, const closing *of, double begin, double 
     }
 }
 
-/* Finds the zone in which P is also zero at the end, and its pressure. Returns where the zone
- * begins. */
+/* Finds the zone whose pressure is zero also at the end, and this pressure. Returns the place where
+ * the zone begins. */
 static double find_zone(double *pressure, const closing *of, double end, size_t num) {
-    // a zone from `low` ends with a positive pressure, one from `high` with a negative one
+    // a zone that begins at `low` ends with a positive pressure; if it begins at `high`, the
+    // pressure at the end is negative
     double low = 1.01, high = 2 * of->speed / of->growth;
 
     for (int i = 0; i < 60; i++) {
@@ -86,7 +88,7 @@ enum { PLACES = 200000 };
 static double pressures[PLACES + 1];
 
 /* Pressure and place of the second zone agree with the quadrature. The flow out of the end of the
- * zone is what the gap squeezes out. */
+ * zone equals the volume that the closing gap squeezes out. */
 static void the_zone_is_that_of_a_closing_gap(void **state) {
     (void)state;
     const double duration = 0.5, growth = 0.4;
@@ -110,7 +112,7 @@ static void the_zone_is_that_of_a_closing_gap(void **state) {
 
     while (full_has_pressure(last, zone))
         zone--;
-    assert_true(grid_x(grid, zone) > 1.5); // separate from the zone of the contact
+    assert_true(grid_x(grid, zone) > 1.5); // not part of the zone in the contact
     check_close(grid_x(grid, zone), begin, 0, 0.1);
     for (size_t k = zone; k < grid->num_nodes; k++) {
         const double place = (grid_x(grid, k) - begin) / (end - begin) * PLACES;
@@ -120,7 +122,7 @@ static void the_zone_is_that_of_a_closing_gap(void **state) {
     }
     assert_true(worst < 0.03 * most && most > 1e-5);
 
-    // flow out of the end, from the pressure of the last node
+    // compare the flow out of the end, which follows from the pressure at the last node
     const size_t k = grid->num_nodes - 2;
     double slope, squeezed = 0;
     for (double x = begin + 5e-4; x < end; x += 1e-3) {
@@ -134,8 +136,8 @@ static void the_zone_is_that_of_a_closing_gap(void **state) {
 
 // ---- marches
 
-/* The speed changes from slow forward to backward motion while the radius grows, so the zone never
- * ends in time. */
+/* The radius grows while the contact moves slowly, also with a reversal of the motion, so the
+ * second zone does not disappear again. The march must reach its end with few iterations. */
 static void a_growing_radius_does_not_stop_the_march(void **state) {
     (void)state;
     for (int i = 0; i < 3; i++) {
@@ -149,8 +151,8 @@ static void a_growing_radius_does_not_stop_the_march(void **state) {
     }
 }
 
-/* The zone begins at the same time on a fine and on a coarse grid. On the coarse grid the
- * conditions at single nodes are violated more. */
+/* The second zone begins at the same time on a fine and on a coarse grid, and has the same load. On
+ * the coarse grid the conditions at single nodes are violated more. */
 static void the_zone_does_not_depend_on_the_grid(void **state) {
     double load[2] = {0};
     (void)state;
@@ -169,7 +171,7 @@ static void the_zone_does_not_depend_on_the_grid(void **state) {
     check_close(load[1], load[0], 0.05, 0);
 }
 
-// ---- its load
+// ---- the load of the zone
 
 static void loads_are_those_of_a_parabola(void **state) {
     (void)state;
@@ -196,7 +198,7 @@ static void loads_are_those_of_a_parabola(void **state) {
         const double lacks = load - sum_of(pressures, start, ends[i], PLACES);
         assert_true(told.beyond * whole > 0.95 * lacks && told.beyond * whole < 2 * lacks);
     }
-    // an opening gap, and a gap that the fluid passes too fast to be squeezed
+    // no zone: a gap that opens, and a gap through which the fluid moves too fast to be squeezed
     assert_true(isinf(frame_closing_gap(&opens, &before, &first.reference, 4).begin));
     assert_true(frame_closing_gap(&now, &before, &first.reference, begins / 2).beyond == 0);
     marched_end(&first);
@@ -217,7 +219,7 @@ static void a_zone_that_the_domain_cuts_off_is_not_to_be_trusted(void **state) {
             const contact_frame frame =
                 frame_at(&contact_line, 0.05 * k, (double[]){1, speed, 1 + 0.1 * 0.05 * k, 1}, NAN);
             assert_int_equal(solver->attempt(&step, solver->self, &frame, 0.05, &error), EHD_OK);
-            // a single step after a jump reports nothing
+            // the first step after a start or a jump does not report the zone
             assert_int_equal(step.status, k > 1 && !jumps ? EHD_UNTRUSTED : EHD_OK);
             if (step.status)
                 assert_non_null(strstr(step.reason, backwards ? "(grid.x_min)" : "(grid.x_max)"));

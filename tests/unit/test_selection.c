@@ -48,12 +48,13 @@ static void joint_hand_worked_example(void **state) {
     const double jacobian_modes[] = {0, 0.6, 0.8, 0, -0.8, 0.6};
     const selection_bases bases = {
         .num_nodes = 3, .num_modes = {2, 2}, .modes = {residual_modes, jacobian_modes}};
-    // first row: sums of squares 0.36, 1, 0.64; second row: a_f = 3/4, a_J = -4/3, so the residuals
-    // are (-5/4, 0, 0) and (0, 0, 5/3), and the Jacobian basis decides
+    // The sums of squares are 0.36, 1 and 0.64, so the first row is 1. For the second row a_f = 3/4
+    // and a_J = -4/3. The residuals are then (-5/4, 0, 0) and (0, 0, 5/3). The larger entry belongs
+    // to the Jacobian basis and gives row 2.
     size_t rows[2];
     assert_int_equal(selection_joint(rows, &bases, 2, NULL), EHD_OK);
     check_rows(rows, (size_t[]){1, 2}, 2);
-    // with the residual basis in both places, the other row is next
+    // if both bases are the residual basis, the second row is 0 instead of 2
     const selection_bases twice = {
         .num_nodes = 3, .num_modes = {2, 2}, .modes = {residual_modes, residual_modes}};
     assert_int_equal(selection_joint(rows, &twice, 2, NULL), EHD_OK);
@@ -125,7 +126,8 @@ static void joint_equals_solving_from_scratch(void **state) {
     }
 }
 
-/* Pivots by Gram-Schmidt: the next row is the longest column after projecting out the earlier ones. */
+/* Selects pivots by Gram-Schmidt. The values of all modes at a node are a column. The next row is
+ * the longest column after the selected columns have been projected out. */
 static void naive_pivoted_qr(size_t *rows, const selection_bases *bases, size_t num_rows) {
     const size_t num_nodes = bases->num_nodes, num_first = bases->num_modes[0];
     const size_t num_modes = num_first + bases->num_modes[1];
@@ -174,8 +176,8 @@ static void pivoted_qr_takes_the_longest_remaining_row(void **state) {
 }
 
 /* Returns log S of a basis sampled at the rows (s_opt.c), with the determinant from singular
- * values. With fewer rows than modes only the nonzero singular values are used. This is the limit
- * of a small ridge that is divided out. */
+ * values. With fewer rows than modes, only the nonzero singular values are used. The result is the
+ * limit of a small ridge whose share is divided out. */
 static double naive_log_s(const double *modes, size_t num_modes, size_t num_nodes,
                           const size_t *rows, size_t num_rows) {
     double *sampled = malloc(num_rows * num_modes * sizeof *sampled);
@@ -297,7 +299,8 @@ static void all_nodes_can_be_selected(void **state) {
     free(jacobian_modes);
 }
 
-/* Two bases that never act on the same node: a row selected for one is zero in the other. */
+/* At each node one of the two bases is zero, so a row that is selected for one basis is zero in the
+ * other basis. */
 static void survives_singular_systems(void **state) {
     (void)state;
     enum { NUM_NODES = 40, HALF = NUM_NODES / 2, NUM_ROWS = 16 };
@@ -313,13 +316,14 @@ static void survives_singular_systems(void **state) {
     for (const selection_method *method = selection_methods; method->name; method++) {
         size_t rows[NUM_ROWS];
         assert_int_equal(method->select(rows, &bases, NUM_ROWS, NULL), EHD_OK);
-        // comparisons with NaN are false, so row 0 would be selected repeatedly
+        // NaN would select row 0 repeatedly, because comparisons with NaN are false
         check_distinct(rows, NUM_ROWS, NUM_NODES);
     }
     free(small);
 }
 
-/* Bases of unit vectors: rows that are zero in one basis must not disturb the order of the other. */
+/* The modes are unit vectors. A row that is zero in one basis must not disturb the order of the
+ * rows of the other basis. */
 static void skips_what_a_zero_row_leaves_open(void **state) {
     (void)state;
     // residual basis e0, e1, e2; Jacobian basis 0.9 e3, 0.9 e4, 0.9 e5
@@ -335,7 +339,7 @@ static void skips_what_a_zero_row_leaves_open(void **state) {
     check_rows(rows, (size_t[]){0, 1, 2}, 3);
 }
 
-/* If no error is left, any row may follow, but none twice. */
+/* If no error is left, any row may be selected next, but no row twice. */
 static void goes_on_when_nothing_is_left_to_explain(void **state) {
     (void)state;
     const double modes[12] = {0, 1, 0, 0}; // two modes of zeros follow
@@ -385,7 +389,7 @@ static void sigma_min_of_sampled_modes(void **state) {
     check_close(sigma_min, 0.0, 0.0, 0.0);
     assert_int_equal(selection_sigma_min(&sigma_min, modes, 0, 3, two, 2, NULL), EHD_DATA);
 
-    // all rows of orthonormal modes
+    // with all rows of orthonormal modes the value is 1
     double *basis = random_basis(7, NUM_NODES, 12);
     size_t all[NUM_NODES];
     for (size_t i = 0; i < NUM_NODES; i++)

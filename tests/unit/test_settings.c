@@ -92,7 +92,7 @@ static void accepts_plan(plan *of, const char *text) {
 
 // ---- refused inputs
 
-/* Kind of a text in the table below. */
+/* Kind of a text in the table `refused`. */
 typedef enum input {
     SCENE,
     LINE,      // an additional line in the good scene
@@ -108,7 +108,7 @@ typedef enum input {
     HISTORIES // keys below "histories" of the only group of a plan
 } input;
 
-/* The rest of the file around a text. */
+/* The rest of the file, for each kind of text. */
 static const struct {
     const char *scene, *before, *after;
 } frames[] = {
@@ -166,7 +166,7 @@ static const struct {
     input kind;
     const char *given, *part;
 } refused[] = {
-    // missing keys; the law wlf has a viscosity of its own
+    // missing keys; with the law wlf, physical.viscosity is not needed
     {SCENE, "moes: {M: 12, L: 12}\n",
      "s.yml: contact, regime, lubricant.viscosity.law: found nothing"},
     {SCENE, "contact: line\nregime: stationary\nlubricant.viscosity: {law: wlf, preset: no1}\n",
@@ -225,7 +225,7 @@ static const struct {
     {SCENE, "lubricant: 1", "expected keys below it: lubricant.viscosity, lubricant.density"},
     {SCENE, "- contact", "found a list, expected settings"},
     {SCENE, "contact", "found contact, expected settings"},
-    // unknown keys, and the nearest known one
+    // unknown keys; the error names the nearest known key
     {LINE, "hertz_presure: 1e9",
      "s.yml:7: hertz_presure: found an unknown key, expected hertz_pressure (did you mean"},
     {LINE, "grid: {stp: 0.01}", "grid.stp: found an unknown key, expected grid.step"},
@@ -247,7 +247,7 @@ static const struct {
     {LINE, "contact: line", "s.yml:7: contact: found again, expected only once (first in line 1"},
     {LINE, "moes.M: 12", "s.yml:7: moes.M: found again, expected only once (first in line 3"},
     {LINE, "grid: {step: 0.01, step: 0.02}", "step: found again"},
-    // what is not plain YAML
+    // texts that are not plain YAML
     {SCENE, "", "found no settings"},
     {SCENE, "# only a comment\n", "found no settings"},
     {SCENE, "---\n", "found nothing, expected settings"},
@@ -263,7 +263,7 @@ static const struct {
     {SCENE, "moes: {M: 1, [L]: 2}\n", "found a map or list as key"},
     {SCENE, "contact: line\nregime: \xff\n", "s.yml:2: found bytes that are no text"},
     {SCENE, "contact: \"a\\0b\"\n", "found a zero byte"},
-    // keys that a viscosity law lacks or ignores
+    // keys that a viscosity law needs but does not have, or that it ignores
     {VISCOSITY, "law: barus",
      "s.yml:4: lubricant.viscosity.alpha: found nothing, expected a value with the law barus"},
     {VISCOSITY, "law: roelands, alpha: 1e-8", "lubricant.viscosity.eta0: found nothing"},
@@ -277,8 +277,8 @@ static const struct {
      "reference_temperature: found a value, expected none with the law wlf"},
     {VISCOSITY, "law: barus, alpha: 1e-8, preset: no1", "preset: found a value"},
     {VISCOSITY, "law: roelands, alpha: 1e-8, eta0: 0.1, B1: 1", "B1: found a value"},
-    // grids that do not fit; the distance between two known ends must be a whole number of steps,
-    // and the published discretisation has default ends
+    // grids that do not fit: the distance between two given ends must be a whole number of steps;
+    // with the published discretisation the default ends count as given
     {GRID, "x_min: -1", "s.yml:7: grid.x_min: found -1, expected less than -1"},
     {GRID, "x_max: 1", "grid.x_max: found 1, expected more than 1"},
     {GRID, "x_min: -4, x_max: 2, step: 0.007",
@@ -292,9 +292,9 @@ static const struct {
     {PUBLISHED, "x_max: 2.00001", "expected a whole number of steps from -4 to 2.00001"},
     {PUBLISHED, "step: 0.007", "expected a whole number of steps from -4 to 2, such as"},
     {PUBLISHED, "step: 0.000001", "grid.step: found 1e-06, which makes 6000001 nodes"},
-    // with the nearest number, 24, the step would be too large
+    // with 24 steps, the nearest whole number, the step would be too large
     {GRID, "x_min: -4, x_max: 2.04, step: 0.25", "such as with 0.2516"},
-    // lines of a point contact
+    // extent across a point contact, and half grids
     {GRID, "y_max: 3", "grid.y_max: found a value, expected none with the contact line"},
     {GRID, "half: true", "grid.half: found a value, expected none with the contact line"},
     {POINT, "grid.y_max=1", "--set: grid.y_max: found 1, expected more than 1"},
@@ -313,14 +313,14 @@ static const struct {
     {SET, "moes.M", "--set: found moes.M, expected KEY=VALUE"},
     {SET, "grid.x_min=-1", "--set: grid.x_min: found -1, expected less than -1"},
     {SET, "lubricant.viscosity.law=barus", "expected none with the law barus"},
-    // overrides without a value; an error names the remedy, if there is one
+    // overrides without a value; if such an override would remove an error, the error says so
     {SET, "lubricant.viscosity.law=barus",
      "s.yml:5: lubricant.viscosity.preset: found a value, expected none with the law barus (--set "
      "lubricant.viscosity.preset= unsets it)"},
     {SET, "contact=", "s.yml: contact: found nothing, expected a value"},
     {SET, "moes.N=", "--set: moes.N: found an unknown key"},
     {SET, "moes=", "--set: moes: found a value, expected keys below it"},
-    // keys that regime and closure lack or ignore
+    // keys that regime or closure need but do not have, or that they ignore
     {MOVING, "",
      "s.yml:2: transient.end_time: found nothing, expected a value with the regime transient"},
     {LINE, "transient: {end_time: 1}",
@@ -336,7 +336,8 @@ static const struct {
      "transient.approach.at: found a value, expected none with the closure load"},
     {MOVING, "closure: approach\ntransient: {end_time: 1, load: {law: step, to: 1, at: 1}}\n",
      "transient.load.law: found a value, expected none with the closure approach"},
-    // keys that a history lacks or ignores: one reason at a time, a law for each quantity
+    // keys that a history needs but does not have, or that it ignores; an error has only one
+    // reason, and each quantity has a law of its own
     {TRANSIENT, "load: {law: sine}",
      "s.yml:5: transient.load.amplitude, transient.load.period: found nothing, expected a value "
      "with the law sine"},
@@ -443,7 +444,7 @@ static const struct {
      "moes_L: found an unknown key, expected alpha_p_H, moes_M or both"},
     {GROUP, "where: {alpha_p_H: [0, x]}", "found x, expected a"},
     {PLAN, "just text\n", "found just text, expected settings"},
-    // bad points of a plan, with their values
+    // bad points of a plan; the error contains the values of the point
     {GROUP, "vary:\n    moes.M: [5, 6]\n    moes.L: [1, 1e3]",
      "plan.yml:5: moes.L: found 1e3, expected a number from 0 to 100"},
     {GROUP, "vary: {moes.M: [5], grid.x_min: [-2, -1]}",
@@ -522,7 +523,7 @@ static void refuses_bad_numbers(void **state) {
     }
     snprintf(text, sizeof text, "moes: {M: %0500d}", 1);
     snprintf(expected, sizeof expected, "moes.M: found %060d..., expected", 0);
-    text[strlen(text) - 1] = 'x'; // the value is no number any more, and the map stays open
+    text[strlen(text) - 1] = 'x'; // now the value is no number, and the map has no end
     strcat(text, "}");
     refuses(SCENE, text, expected);
 }
@@ -584,7 +585,7 @@ static void refuses_constants_that_are_not_all_given(void **state) {
 static void grids_fit_within_a_tolerance(void **state) {
     scene of;
     (void)state;
-    // in binary 5.6 is not exactly 2800 times 0.002, but within the tolerance
+    // in binary 5.6 is not exactly 2800 times 0.002, but the difference is below the tolerance
     accepts_with(&of, good, "grid: {x_min: -4, x_max: 1.6, step: 0.002}\n");
     accepts_with(&of, good, "grid: {x_min: -4, x_max: 2, step: 0.25}\n");
     // an end that is not given is chosen to fit the step
@@ -597,7 +598,7 @@ static void a_point_contact_has_lines(void **state) {
     scene of;
     (void)state;
     accepts_set(&of, good, overrides, 1);
-    assert_true(isnan(of.grid.step) && isnan(of.grid.y_max)); // chosen from M and L
+    assert_true(isnan(of.grid.step) && isnan(of.grid.y_max)); // the grid follows from M and L
     assert_int_equal(of.grid.half, 1);
     accepts_set(&of, good, overrides, 3);
     assert_int_equal(of.grid.half, 0);
@@ -624,7 +625,7 @@ static void overrides_without_a_value_unset(void **state) {
     snprintf(text, sizeof text, "%sgrid.step: 0.01\n", good);
     accepts_set(&of, text, barus, 5);
     assert_string_equal(of.lubricant.viscosity.law, "barus");
-    assert_true(isnan(of.grid.step)); // from M and L again
+    assert_true(isnan(of.grid.step)); // the step follows from M and L again
     accepts(&plain, "contact: line\nregime: stationary\nmoes: {M: 12, L: 12}\nlubricant:\n"
                     "  viscosity: {law: barus, alpha: 2e-8}\n  density: {law: dowson-higginson}\n");
     char *expected = scene_text(&plain), *found = scene_text(&of);
@@ -657,7 +658,7 @@ static void scene_set_sets_one_key(void **state) {
     assert_int_equal(scene_validate(&of, "here", &error), EHD_OK);
     of.grid.x_max = 1;
     assert_int_equal(scene_validate(&of, "here", &error), EHD_DATA);
-    of.grid.x_max = NAN; // chosen from M and L
+    of.grid.x_max = NAN; // follows from M and L
     assert_int_equal(scene_validate(&of, "here", &error), EHD_OK);
     of.moes.L = NAN;
     assert_int_equal(scene_validate(&of, "here", &error), EHD_DATA);
@@ -689,7 +690,7 @@ static void text_round_trips(void **state) {
     check_close(again.physical.viscosity, 4.000000000000001e-2, 0, 0);
     assert_non_null(strstr(text, "hertz_pressure: 700000000\n"));
     assert_non_null(strstr(text, "grid.step: 0.007\n"));
-    assert_null(strstr(text, "grid.x")); // chosen from M and L
+    assert_null(strstr(text, "grid.x")); // the ends follow from M and L
     assert_non_null(strstr(text, "output.fields: true\n"));
     assert_null(strstr(text, "moes"));
     free(text);
@@ -705,7 +706,7 @@ static void refuses_files_that_cannot_be_read(void **state) {
     assert_int_equal(scene_read(&of, folder, NULL, 0, &error), EHD_NOINPUT);
     assert_non_null(strstr(error.text, "found a folder, expected a file"));
     assert_int_equal(scene_read(&of, "", NULL, 0, &error), EHD_NOINPUT);
-    // files whose reading might never end or never begin
+    // reading /dev/zero might never end, and reading a pipe might never begin
     assert_int_equal(scene_read(&of, "/dev/zero", NULL, 0, &error), EHD_NOINPUT);
     assert_non_null(strstr(error.text, "found no regular file"));
     assert_int_equal(mkfifo(path_of("pipe.yml"), 0600), 0);
@@ -720,7 +721,7 @@ static void refuses_files_that_cannot_be_read(void **state) {
     write_file("good.yml", good);
     assert_int_equal(scene_read(&of, path_of("good.yml"), NULL, 0, &error), EHD_OK);
     check_close(of.moes.M, 12, 0, 0);
-    // a file longer than one read
+    // a long file, which is read in several parts
     char *text = calloc(1, 40000);
     assert_non_null(text);
     memset(text, '#', 30000);
@@ -848,7 +849,7 @@ static void transient_text_round_trips(void **state) {
     free(second);
 }
 
-/* The stored text of a stationary scene, which identifies it, has no transient keys. */
+/* The stored text of a stationary scene identifies the scene. It has no transient keys. */
 static void stationary_text_knows_no_time(void **state) {
     static const char expected[] = "contact: line\n"
                                    "regime: stationary\n"
@@ -868,7 +869,8 @@ static void stationary_text_knows_no_time(void **state) {
     free(text);
 }
 
-/* The boundary is open for points in the accurate discretisation; lines have no boundary. */
+/* Point contacts in the accurate discretisation have the boundary `open` by default. Line contacts
+ * have no setting `boundary`. */
 static void the_default_boundary_is_open(void **state) {
     static const char point[] = "contact: point\nregime: stationary\nmoes: {M: 12, L: 5}\n"
                                 "lubricant: {viscosity: {law: barus, alpha: 2e-8}}\n";
@@ -884,7 +886,8 @@ static void the_default_boundary_is_open(void **state) {
     assert_string_equal(of.boundary, "zero");
 }
 
-/* The default applies to lines and points, stationary and transient, from a file or a program. */
+/* The default is the same for lines and points, for stationary and transient scenes, and for scenes
+ * from a file or from a program. */
 static void the_default_discretization_is_accurate(void **state) {
     scene of;
     (void)state;
@@ -901,8 +904,8 @@ static void the_default_discretization_is_accurate(void **state) {
     assert_string_equal(of.discretization, "published");
 }
 
-/* Stored texts of scenes and plans of versions before 0.3.0 have no discretization, which means the
- * published one. */
+/* Versions before 0.3.0 stored the texts of scenes and plans without the key `discretization`. Such
+ * a text means the published discretisation. */
 static void kept_text_without_a_discretization_is_of_the_published_one(void **state) {
     static const struct {
         const char *kept, *now;
@@ -947,13 +950,13 @@ static void files_are_relative_to_the_file_that_names_them(void **state) {
     snprintf(expected, sizeof expected, "%s/deep/cam.csv", folder);
     assert_int_equal(scene_read(&of, path_of("deep/scene.yml"), NULL, 0, &error), EHD_OK);
     assert_string_equal(of.transient.vary[VARY_LOAD].file, beside);
-    // paths of --set and of texts in memory, whatever their name, start at the working folder
+    // paths in --set and in texts in memory are relative to the working folder
     assert_int_equal(scene_read(&of, path_of("deep/scene.yml"), override, 1, &error), EHD_OK);
     assert_string_equal(of.transient.vary[VARY_LOAD].file, "set.csv");
     assert_int_equal(scene_parse(&of, text, strlen(text), "deep/s.yml", NULL, 0, &error), EHD_OK);
     assert_string_equal(of.transient.vary[VARY_LOAD].file, "cam.csv");
-    // paths start at the scene's folder in the first group, the plan's in the second, the list's in
-    // the third
+    // paths are relative to the scene's folder in the first group, to the plan's folder in the
+    // second group, and to the list's folder in the third group
     write_file("deep/points.csv", "transient.load.file\n/abs.csv\nlist.csv\n");
     snprintf(text, sizeof text,
              "groups:\n- scene: deep/scene.yml\n"
@@ -987,7 +990,7 @@ static void plan_varies_histories(void **state) {
     assert_non_null(
         strstr(of.text, "# point 2\ntransient.end_time: 3\ntransient.load.period: 1\n"));
     plan_free(&of);
-    // stationary points beside trajectories, and texts that differ between points
+    // a plan with stationary points and trajectories; it varies a setting that is a text
     accepts_plan(&of, "groups:\n"
                       "- scene: {contact: line, regime: stationary, moes: {M: 12, L: 12},\n"
                       "          lubricant: {viscosity: {law: wlf, preset: no1}}}\n"
@@ -1005,7 +1008,8 @@ static void plan_varies_histories(void **state) {
 
 // ---- the table
 
-/* Conditions name choices of earlier rows, so that defaults can be filled in order. */
+/* The conditions of a row may use only choices of earlier rows, so that defaults can be filled in
+ * the order of the rows. */
 static void conditions_of_the_table_are_valid(void **state) {
     (void)state;
     for (const setting *row = scene_settings(); row->key; row++)
@@ -1031,7 +1035,7 @@ static void defaults_of_the_table_are_valid(void **state) {
         assert_true(strlen(row->key) < MAX_KEY);
         if (row->default_value)
             assert_int_equal(scene_set(&of, row->key, row->default_value, "", &error), EHD_OK);
-        // choices fit into the strings of the scene, with their zero byte
+        // every choice fits into its string in the scene, with a zero byte at the end
         const char *choice = row->choices;
         for (size_t length; choice && (length = strcspn(choice, "|")) > 0;) {
             assert_true(length < row->size);
@@ -1040,8 +1044,8 @@ static void defaults_of_the_table_are_valid(void **state) {
     }
 }
 
-/* Compares the table with the page; with UPDATE_SCHEMAS=1 in the environment it writes the table
- * into the page. */
+/* Compares the table with the page schemas/scene.md. With UPDATE_SCHEMAS=1 in the environment,
+ * writes the table into the page instead. */
 static void schema_page_shows_the_table(void **state) {
     char *printed = NULL, page[32768];
     size_t length = 0;
@@ -1077,7 +1081,7 @@ static size_t count(const char *text, const char *part) {
     return found;
 }
 
-/* The help has every key once; the keys that all histories share appear once for all of them. */
+/* The help shows every key once. Keys that all histories have appear once for all histories. */
 static void help_shows_every_key(void **state) {
     static const char histories[] = "\n  transient.<load|speed|radius|modulus|approach>";
     char *printed = NULL, shown[MAX_KEY + 8];
@@ -1138,9 +1142,9 @@ static void plan_combines_a_grid(void **state) {
     assert_null(of.points);
 }
 
-/* The region has two settings between bounds, and two densities. Points are corners first, then
- * edges that meet each bound exactly, then inner points. No gap inside is more than a few times
- * larger than in a grid of as many points. */
+/* The region has two settings between bounds, for each of two densities. The points are first the
+ * corners of the region, then points exactly on its edges, then inner points. No gap between points
+ * is more than a few times larger than in a regular grid with as many points. */
 static void plan_fills_a_region(void **state) {
     enum { CANDIDATES = 400, EDGES = 4 * (CANDIDATES / 4 / 4) };
     double gap = 0;
@@ -1169,7 +1173,7 @@ static void plan_fills_a_region(void **state) {
                         here->moes.L == 4);
         }
     }
-    // M by its logarithm; L, which may be 0, by its value
+    // distances are measured in ln M and, because L may be 0, in L itself
     for (double u = 0.05; u < 1; u += 0.05)
         for (double v = 0.05; v < 1; v += 0.05) {
             double nearest = INFINITY;
@@ -1182,7 +1186,7 @@ static void plan_fills_a_region(void **state) {
     plan_free(&of);
 }
 
-/* The plan has the groups of another plan, with further bounds and more candidates. */
+/* With `part_of` a plan has the groups of another plan, with further bounds and more candidates. */
 static void plan_is_part_of_another(void **state) {
     plan whole, of;
     (void)state;
@@ -1199,21 +1203,21 @@ static void plan_is_part_of_another(void **state) {
     check_close_array(of.where[1].bounds[WHERE_MOES_M], ((double[]){4, 20}), 2, 0, 0);
     check_close_array(of.where[1].bounds[WHERE_ALPHA_P_H], ((double[]){0, 9}), 2, 0, 0);
     plan_free(&of);
-    // part of a plan that is itself part of a plan
+    // a part of a plan that is itself a part of a plan
     write_file("half.yml", "part_of: whole.yml\nwhere: {moes_M: [4, 20]}\ncandidates_times: 2\n");
     accepts_plan(&of, "part_of: half.yml\nwhere: {moes_M: [10, 30]}\ncandidates_times: 2\n");
     assert_int_equal(of.num_points, unvaried + 80);
     check_close_array(of.where[0].bounds[WHERE_MOES_M], ((double[]){10, 20}), 2, 0, 0);
     plan_free(&of);
-    // without further bounds the part is the whole plan
+    // without further bounds the part equals the whole plan
     accepts_plan(&of, "part_of: whole.yml\n");
     assert_string_equal(of.text, whole.text);
     plan_free(&of);
     plan_free(&whole);
 }
 
-/* The key `histories` makes sines and ramps of each quantity and of each pair, and steps of the
- * speed, between the bounds. No other quantity of the scene varies. */
+/* The key `histories` makes sines and ramps of each quantity and of each pair of quantities, and
+ * steps of the speed, all between the given bounds. No other quantity of the scene varies. */
 static void plan_makes_histories(void **state) {
     enum { OF_LOAD = 4, OF_SPEED = 6, OF_PAIR = 6, STEPS_OF_LOAD = 2, STEPS_OF_PAIR = 3 };
     size_t counts[3] = {0}, both = 0;
@@ -1276,7 +1280,7 @@ static void plan_makes_histories_of_transient_scenes_only(void **state) {
     write_file("plan.yml", text);
     assert_int_equal(plan_read(&of, path_of("plan.yml"), overrides, 1, &error), EHD_DATA);
     assert_non_null(strstr(error.text, "transient.load.period: found a key that"));
-    write_file("scene.yml", good); // stationary
+    write_file("scene.yml", good); // a stationary scene
     refuses(PLAN, text, "histories: found the regime stationary, expected transient");
 }
 
@@ -1467,7 +1471,8 @@ static void same_plan(const plan *found, const plan *expected) {
     }
 }
 
-/* The plan has all kinds of settings, quoted texts among them; later points lack some of them. */
+/* The plan has all kinds of settings, also quoted texts. Later points do not have all settings of
+ * earlier points. */
 static void plan_is_read_back_from_its_text(void **state) {
     plan written, found;
     char text[1024], *more;
@@ -1486,13 +1491,13 @@ static void plan_is_read_back_from_its_text(void **state) {
                            "- {scene: scene.yml, vary: {M: [9]}, where: {moes_M: [0.1, 10]}}\n"
                            "- {scene: scene.yml, vary: {M: [9]}}\n");
     assert_int_equal(written.num_points, 13);
-    // a group's line contains only its bounds, as in versions without such bounds
+    // as in earlier versions, the line of a group without bounds on M contains only alpha_p_H
     assert_non_null(strstr(written.text, "# group 2, alpha_p_H from 0 to 1\n"));
     assert_non_null(strstr(written.text, "# group 4, alpha_p_H from -inf to inf\n"));
     assert_int_equal(plan_parse(&found, written.text, "s.h5", &error), EHD_OK);
     same_plan(&found, &written);
     plan_free(&found);
-    // lines that training sets add
+    // training sets add such lines to the text
     assert_true(asprintf(&more, "%s# shard 1/1\n# cold\n", written.text) > 0);
     assert_int_equal(plan_parse(&found, more, "s.h5", &error), EHD_OK);
     same_plan(&found, &written);

@@ -13,12 +13,12 @@ enum { NUM_NODES = 70, NUM_MODES = 9, NUM_ROWS = 30 };
 static const size_t exits[] = {31, 44, 60};
 enum { NUM_EXITS = sizeof exits / sizeof *exits };
 
-/* Exit lines on the same nodes. No line lies before another one everywhere. */
+/* Exit lines on the same nodes. Of any two exit lines, each lies upstream on some grid line. */
 enum { NUM_LINES = 5, WIDTH = NUM_NODES / NUM_LINES };
 static const size_t exit_lines[NUM_EXITS][NUM_LINES] = {
     {10, 9, 8, 9, 4}, {11, 12, 7, 3, 13}, {12, 8, 14, 13, 12}};
 
-/* Replaces columns [num_modes, num_nodes] by the Q of their QR factors. */
+/* Replaces the columns [num_modes, num_nodes] by the factor Q of their QR factorisation. */
 static void make_orthonormal(double *modes, size_t num_modes, size_t num_nodes) {
     const int columns = (int)num_modes, length = (int)num_nodes;
     double scales[NUM_MODES];
@@ -27,7 +27,7 @@ static void make_orthonormal(double *modes, size_t num_modes, size_t num_nodes) 
         LAPACKE_dorgqr(LAPACK_COL_MAJOR, length, columns, columns, modes, length, scales), 0);
 }
 
-/* Makes modes around centres from left to right, like residuals along a contact. */
+/* Makes modes that are peaks at centres from left to right, like residuals along a contact. */
 static void make_modes(double modes[NUM_MODES][NUM_NODES], double shift) {
     for (size_t j = 0; j < NUM_MODES; j++)
         for (size_t i = 0; i < NUM_NODES; i++) {
@@ -51,7 +51,7 @@ static selection_bases make_bases(void) {
     return bases;
 }
 
-/* Returns the bases of make_bases, with exits on several lines. */
+/* Returns the bases of make_bases, with exits on several grid lines. */
 static selection_bases make_bases_on_lines(void) {
     selection_bases bases = make_bases();
 
@@ -72,8 +72,9 @@ static bool is_before(const selection_bases *bases, size_t exit, size_t node) {
     return node % WIDTH < bases->exits[exit * NUM_LINES + node / WIDTH];
 }
 
-/* Returns sigma_min of the rows before an exit, of a basis made orthonormal there. `at_nodes`
- * [NUM_NODES] receives the worst direction, which is zero behind the exit. */
+/* Makes the part of a basis before an exit orthonormal, and returns sigma_min of the selected rows
+ * of this part. `at_nodes` [NUM_NODES] receives the worst direction, which is zero behind the
+ * exit. */
 static double naive_sigma_min(double *at_nodes, const selection_bases *bases, size_t basis,
                               size_t exit, const size_t *rows, size_t num_rows) {
     double before[NUM_MODES * NUM_NODES], sampled[NUM_NODES * NUM_MODES] = {0};
@@ -84,7 +85,7 @@ static double naive_sigma_min(double *at_nodes, const selection_bases *bases, si
             before[j * NUM_NODES + i] =
                 is_before(bases, exit, i) ? bases->modes[basis][j * NUM_NODES + i] : 0;
     make_orthonormal(before, num_modes, NUM_NODES);
-    // rows that are not selected are zero, so that there are never fewer rows than columns
+    // rows that are not selected are set to zero, so that there are never fewer rows than columns
     for (size_t n = 0; n < num_rows; n++)
         for (size_t j = 0; j < num_modes; j++)
             sampled[j * NUM_NODES + rows[n]] = before[j * NUM_NODES + rows[n]];
@@ -97,8 +98,8 @@ static double naive_sigma_min(double *at_nodes, const selection_bases *bases, si
     return values[num_modes - 1];
 }
 
-/* Returns the worst sigma_min over all exits and bases. *row: the unselected row at which the worst
- * direction is largest. */
+/* Returns the smallest sigma_min of all exits and bases. *row: the unselected row at which the
+ * worst direction is largest. */
 static double naive_worst(size_t *row, const selection_bases *bases, const size_t *rows,
                           size_t num_rows) {
     double worst = INFINITY, at_nodes[NUM_NODES];
@@ -140,8 +141,8 @@ static void equals_singular_values_from_scratch(void **state) {
         }
 }
 
-/* If all rows before the second exit are selected, only directions behind it are badly
- * determined. */
+/* If all rows before the second exit are selected, only directions with values behind this exit are
+ * determined badly. The third exit shows this. */
 static void looks_at_later_exits_too(void **state) {
     (void)state;
     const selection_bases bases = make_bases();
@@ -159,7 +160,7 @@ static void too_few_rows_before_an_exit_are_not_stable(void **state) {
     const selection_bases bases = make_bases();
     size_t rows[NUM_NODES], num_rows = 0;
     for (size_t i = 24; i < NUM_NODES; i++)
-        rows[num_rows++] = i; // seven rows before the first exit, for eight modes
+        rows[num_rows++] = i; // only seven rows before the first exit, for eight modes
     double inverse;
     assert_int_equal(row_stability_of(&inverse, &bases, rows, num_rows, NULL), EHD_OK);
     assert_true(isinf(inverse));
@@ -168,7 +169,8 @@ static void too_few_rows_before_an_exit_are_not_stable(void **state) {
     assert_true(isfinite(inverse));
 }
 
-/* A mode that vanishes before an exit cannot be determined there, and need not be. */
+/* A mode that is zero before an exit cannot be determined by rows before this exit. It need not be
+ * determined. */
 static void leaves_out_what_vanishes_before_an_exit(void **state) {
     (void)state;
     double modes[2][NUM_NODES] = {{0}};
@@ -186,8 +188,8 @@ static void leaves_out_what_vanishes_before_an_exit(void **state) {
     check_close(inverse, 1.0, 1e-10, 0.0);
 }
 
-/* Like leaves_out_what_vanishes_before_an_exit, if only round-off is left of the mode: unit vectors
- * of nodes on both sides of the exit, rotated into each other. */
+/* Like leaves_out_what_vanishes_before_an_exit, but only round-off of some modes is left before the
+ * exit. The modes are unit vectors of nodes on both sides of the exit, multiplied by a rotation. */
 static void leaves_out_rounding_errors_before_an_exit(void **state) {
     (void)state;
     enum { NUM_BEFORE = NUM_MODES / 2 };
@@ -214,8 +216,8 @@ static void leaves_out_rounding_errors_before_an_exit(void **state) {
     check_close(inverse, 1.0, 1e-10, 0.0);
 }
 
-/* A mode that is small before an exit, as at the worst exit of the lower loaded region, must be
- * determined. */
+/* A mode that is small but not zero before an exit must be determined. The worst exit of the lower
+ * loaded region has such a mode. */
 static void keeps_what_is_small_before_an_exit(void **state) {
     (void)state;
     const double part = 1e-4;
@@ -245,7 +247,7 @@ static void exits_begin_with_the_joint_rows(void **state) {
 
 static void exits_take_the_row_that_the_worst_exit_needs(void **state) {
     (void)state;
-    // error of the singular values, which may be zero, for columns of norm 1
+    // absolute error of singular values, which may be zero; the columns have norm 1
     const double rounding = 1e-14;
     for (size_t l = 0; l < NUM_LAYOUTS; l++) {
         const selection_bases bases = layouts[l].make();
@@ -254,7 +256,7 @@ static void exits_take_the_row_that_the_worst_exit_needs(void **state) {
         assert_int_equal(selection_exits(rows, &bases, NUM_ROWS, NULL), EHD_OK);
         for (size_t n = 8; n < NUM_ROWS; n++) {
             const double sigma_min = naive_worst(&expected, &bases, rows, n);
-            // if no row determines a direction, the direction is not unique
+            // if sigma_min is zero, the worst direction is not unique, so any row may be next
             if (sigma_min > 1e-6) assert_int_equal(rows[n], expected);
             assert_true(sigma_min >= before * (1 - 1e-9) - rounding);
             before = sigma_min;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Stages of a pipeline: the current one, and the time of the others. */
+/* Stages of a pipeline: the current stage, and the time that the other stages take. */
 #include "common/program/stage.h"
 
 #include "common/program/program.h"
@@ -55,7 +55,7 @@ static void test_position(void **state) {
     assert_int_equal(stage_at("training").number, 1);
     assert_int_equal(stage_at("b-basis").number, 5);
     assert_int_equal(stage_at("b-rows").total, 6);
-    // a stage that is not in the list, and texts that are no stages
+    // a stage that is not in the list; a text without stages; no text
     assert_null(stage_at("c-basis").names);
     setenv("EHDROM_STAGES", "file", 1);
     assert_null(stage_here().names);
@@ -63,7 +63,8 @@ static void test_position(void **state) {
     assert_null(stage_here().names);
 }
 
-/* The next stage begins only if it has this name: checks of models may be left out. */
+/* stage_next moves to the next stage only if this stage has the given name, because a pipeline may
+ * leave out checks of models. */
 static void test_next(void **state) {
     stage self = stage_at("a-rows");
     (void)state;
@@ -76,7 +77,7 @@ static void test_next(void **state) {
     self = stage_at("a-basis");
     stage_next(&self, "check");
     assert_int_equal(self.number, 2);
-    stage_next(&self, "ows"); // needs a name after the "-"
+    stage_next(&self, "ows"); // the whole name after the "-" must agree
     assert_int_equal(self.number, 2);
 }
 
@@ -93,17 +94,17 @@ static void test_left(void **state) {
     check_close(stage_left(&at_least, &self, 5, true), 54325, 0, 1e-9);
     assert_false(at_least);
     assert_true(isnan(stage_left(&at_least, &self, NAN, true)));
-    // during the current stage: at least its known time
+    // during the current stage, which is assumed to take at least its time from the file
     self.started = program_seconds() - 3;
     check_close(stage_left(&at_least, &self, 1, false), 54324, 0, 0.5);
     check_close(stage_left(&at_least, &self, NAN, false), 54324, 0, 0.5);
     check_close(stage_left(&at_least, &self, 6, false), 54326, 0, 0.5);
-    // one stage whose time is known only as a lower bound
+    // for one stage only a lower bound of its time is known
     write_file("a-rows 20 0\na-check 300 1\nb-basis 4000 0\nb-rows 50000 0\n");
     check_close(stage_left(&at_least, &self, 5, true), 54325, 0, 1e-9);
     assert_true(at_least);
     assert_true(isnan(stage_left(&at_least, &self, 5, false)));
-    // one stage of unknown time
+    // the time of one stage is not known
     write_file("a-rows 20 0\na-check 300 1\nb-rows 50000 0\n");
     assert_true(isnan(stage_left(&at_least, &self, 5, true)));
     // a program outside of a pipeline
@@ -119,7 +120,7 @@ static void test_kept(void **state) {
 
     write_file("training 99 0\na-basis 7 0\na-rows 20 0\n");
     stage_expect(&self, "rows", 30);
-    stage_expect(&self, "basis", 5); // for later stages only
+    stage_expect(&self, "basis", 5); // has no effect on the current stage
     read_file(text);
     assert_string_equal(text,
                         "training 99 0\na-basis 7 0\na-rows 30 1\nb-basis 5 1\nb-rows 30 1\n");

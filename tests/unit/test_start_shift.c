@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sums of pressures whose spikes lie at different places. With a basis that holds any pressure at
- * the nodes, the sum must have one spike between the two places, not two spikes. */
+/* Weighted sums of two pressures whose spikes lie at different places. The basis can represent any
+ * pressure at the nodes. The shifted sum must have one spike between the two places, not two
+ * spikes. */
 #include "romrun/model/start_shift.h"
 #include "tests/unit/check.h"
 
@@ -18,14 +19,14 @@ typedef struct problem {
     size_t nodes[NODES];
 } problem;
 
-/* Returns a falling pressure with a spike at x = `spike`. */
+/* Returns the value at x of a pressure that falls from x = 0 on and has a spike at x = `spike`. */
 static double pressure_at(double x, double spike) {
     const double along = x < spike ? x / spike : 1 + x - spike;
 
     return x < 0 ? 1 + x : 1 - 0.5 * along * along + 0.6 * exp(-pow((along - 1) / 0.03, 2));
 }
 
-/* Makes states whose coordinates are the pressures at the nodes. */
+/* Makes a model and its states, whose coordinates are the pressures at the nodes. */
 static problem *problem_create(deformation_kind deformation, size_t num_lines) {
     problem *self = calloc(1, sizeof *self);
     ehd_error error;
@@ -86,7 +87,7 @@ static void one_spike_between_two(void **state) {
         add_states(sum, self, states, weights, 2);
         if (part != 0 && part != 1) assert_true(worst_error(sum, self, spike) > 0.3);
         start_shift_apply(sum, &self->model, states, weights, 2);
-        // the error of cubics for a spike of 0.6 that is six nodes wide
+        // error of cubic interpolation for a spike that is 0.6 high and six nodes wide
         assert_true(worst_error(sum, self, spike) < 0.06);
     }
     problem_free(self);
@@ -110,7 +111,7 @@ static void spikes_at_one_place_stay(void **state) {
     problem_free(self);
 }
 
-/* Point contacts, and bases with independent deflections, are not shifted. */
+/* Sums of a point contact and of an independent basis are not shifted. */
 static void others_have_none(void **state) {
     (void)state;
     problem *others[] = {problem_create(DEFORMATION_COUPLED, 3),

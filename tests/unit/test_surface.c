@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A waviness, a dent or a table on one of the surfaces: its heights, the places where it may be,
- * and its effect on films. */
+/* A waviness, a dent or a table of heights on one of the surfaces. The tests check the heights, the
+ * places where they may be, and their effect on films. */
 #include "common/time/surface.h"
 
 #include "common/settings/scene_contact.h"
@@ -17,7 +17,8 @@
 
 static ehd_error error;
 
-/* Gives a scene a surface by settings "kind=dent", "depth=0.1", …, with NULL at the end. */
+/* Adds a surface to a scene. `settings` is a list such as "kind=dent", "depth=0.1", which ends with
+ * NULL. */
 static void give(scene *of, const char *const *settings) {
     char key[64];
 
@@ -32,7 +33,7 @@ static void give(scene *of, const char *const *settings) {
 
 #define WITH(...) ((const char *const[]){__VA_ARGS__, NULL})
 
-/* Returns a surface on a line from -4 to 2, in steps of 0.05. */
+/* Returns a surface on a line contact from -4 to 2, with a step of 0.05. */
 static ehd_surface *surface_of(ehd_contact *reference, const char *const *settings) {
     scene of = marched_scene(20, 5, "incompressible", 0.05, "end_time: 1");
     ehd_surface *self;
@@ -99,7 +100,7 @@ static void a_waviness_ends_where_it_is(void **state) {
     surface_free(self);
 }
 
-/* Physical height and place do not depend on the frame. */
+/* The physical height and place of a dent do not depend on the frame. */
 static void a_surface_keeps_its_size_as_the_contact_grows(void **state) {
     (void)state;
     ehd_contact reference;
@@ -119,8 +120,8 @@ static void a_table_is_a_spline_through_its_rows(void **state) {
     ehd_contact reference;
     FILE *file = fopen("heights.csv", "w");
     assert_non_null(file);
-    fputs(",x,height\n", file);     // an index in front, from pandas
-    for (int i = -20; i <= 20; i++) // with round-off at the ends
+    fputs(",x,height\n", file);     // the first column is an index, as pandas writes it
+    for (int i = -20; i <= 20; i++) // the heights at the ends are round-off
         fprintf(file, "%d,%.17g,%.17g\n", i + 20, 0.02 * i,
                 abs(i) == 20 ? 5e-25 : 0.03 * pow(1 - i * i / 400., 3));
     fclose(file);
@@ -172,9 +173,9 @@ static void a_table_may_be_a_grid(void **state) {
             check_close(found, exact, 0, 4e-5);
             steepest = fmax(steepest, fabs(beside - found) / 1e-7);
         }
-    assert_true(steepest > 0.09 && steepest < 0.12); // no jumps between lines
+    assert_true(steepest > 0.09 && steepest < 0.12); // no jumps between the table's lines
     surface_free(self);
-    // half a contact cannot have a dent at one side
+    // with half a grid the heights must be symmetric
     give(&of, WITH("file=aside.csv"));
     assert_int_equal(surface_init(&self, &of, &reference, &error), EHD_DATA);
     assert_non_null(strstr(error.text, "aside.csv: found another height at -y than in row 1"));
@@ -185,7 +186,7 @@ static void a_table_may_be_a_grid(void **state) {
     surface_free(self);
 }
 
-/* The dent is round, with a given physical size, in a contact that is wider than long. */
+/* In a contact that is wider than long, a dent still is round and has the given physical size. */
 static void a_dent_is_round_in_an_ellipse(void **state) {
     (void)state;
     ehd_contact reference;
@@ -219,7 +220,7 @@ static void check_refused(const char *expected, const char *const *settings) {
     if (!strstr(error.text, expected)) fail_msg("found %s, expected %s", error.text, expected);
 }
 
-/* Writes the text into a file; returns the setting for it. */
+/* Writes a text into a file, and returns the setting that names this file. */
 static const char *table_of(const char *text) {
     FILE *file = fopen("table.csv", "w");
     assert_non_null(file);
@@ -299,7 +300,7 @@ static void the_start_is_smooth(void **state) {
         surface_of(&reference, WITH("kind=dent", "depth=1", "radius=0.1", "position=-4.42"));
     const contact_frame here = frame_at_path(&reference, 1, 0),
                         larger = frame_at_path(&reference, 1.1, 0);
-    // the first node is at -4.05, and the dent ends 0.36 from its centre
+    // the first node is at -4.05, and the dent ends 0.36 downstream of its centre
     assert_int_equal(surface_check_start(self, &here, &reference.grid, &error), EHD_OK);
     assert_int_equal(surface_check_start(self, &larger, &reference.grid, &error), EHD_DATA);
     assert_non_null(strstr(error.text,
@@ -310,8 +311,8 @@ static void the_start_is_smooth(void **state) {
 
 // ---- steps
 
-/* While the surface is on the grid, steps are at most half of its length. No step goes on beyond
- * the arrival of the surface. */
+/* While the dent is on the grid, it moves in a step by at most half of the length over which its
+ * heights change. No step goes beyond the arrival of the dent at the grid. */
 static void steps_see_it_come(void **state) {
     (void)state;
     ehd_contact reference;
@@ -374,8 +375,8 @@ static void heights_of_zero_change_no_bit(void **state) {
     }
 }
 
-/* The fluid moves as a plug between constant surfaces. A dent that moves with it keeps rho H along
- * its path, so the mass of an earlier state equals the current one to round-off. */
+/* The film moves as a plug, and a dent moves with the fluid. So rho H stays constant along the
+ * path, and the carried mass of an earlier state equals the current rho H to round-off. */
 static void a_plug_takes_its_dent_along(void **state) {
     (void)state;
     static const char *const densities[] = {"incompressible", "dowson-higginson"};
@@ -388,7 +389,7 @@ static void a_plug_takes_its_dent_along(void **state) {
             previous_carrier carrier;
             previous_state plug;
             scene_set(&of, "transport", "path", NULL, NULL);
-            // too narrow for any spline
+            // the dent is too narrow for splines on this grid
             give(&of, WITH("kind=dent", "depth=0.5", "radius=0.05", "position=-5"));
             assert_int_equal(scene_contact(&reference, &of, &error), EHD_OK);
             assert_int_equal(surface_init(&surface, &of, &reference, &error), EHD_OK);
@@ -425,7 +426,7 @@ static void a_plug_takes_its_dent_along(void **state) {
         }
 }
 
-/* Returns the film at a place in the middle of the contact, cubic between nodes. */
+/* Returns the film at a place in the middle of the contact, by cubic interpolation. */
 static double film_at(const marched *self, double x) {
     const ehd_grid *grid = &self->reference.grid;
     const full_state *state = full_march_state(self->full, NULL);
@@ -437,8 +438,8 @@ static double film_at(const marched *self, double x) {
            (s + 1) * s * (s - 2) / 2 * film[1] + (s + 1) * s * (s - 1) / 6 * film[2];
 }
 
-/* In pure rolling a film shaped by a dent passes the middle of a heavily loaded contact unchanged,
- * because there only the surfaces move the fluid. */
+/* In pure rolling a film that a dent has shaped moves through the middle of a heavily loaded
+ * contact without change, because there only the surfaces move the fluid. */
 static void a_dented_film_passes_the_middle_as_it_is(void **state) {
     (void)state;
     scene of = marched_scene(100, 10, "incompressible", 0.02, "end_time: 4.1, fixed_step: 0.02");
@@ -447,7 +448,7 @@ static void a_dented_film_passes_the_middle_as_it_is(void **state) {
     marched_all(&first, &of);
     of.transient.end_time = 4.7;
     marched_all(&second, &of);
-    // the dent's centre is at -0.7 and -0.1, and the film is 0.017 thick
+    // at the two times the dent's centre is at -0.7 and -0.1; the film is 0.017 thick
     check_close(surface_position(first.surface, 4.1), -0.7, 1e-12, 0);
     double deepest = 0;
     for (double x = -0.2; x <= 0.2; x += 0.01) {
@@ -459,7 +460,8 @@ static void a_dented_film_passes_the_middle_as_it_is(void **state) {
     marched_end(&second);
 }
 
-/* When start and end of a waviness have left the contact, the place of its end has no effect. */
+/* Once the initial film and the front end of a waviness have left the contact, the initial place of
+ * this end has no effect. */
 static void a_waviness_forgets_its_end(void **state) {
     (void)state;
     scene of = along_path(0.05, "end_time: 9, fixed_step: 0.05");
@@ -470,7 +472,7 @@ static void a_waviness_forgets_its_end(void **state) {
     const size_t count = first.count;
     double least = INFINITY, most = 0;
     assert_int_equal(count, second.count);
-    for (size_t k = count - 10; k < count; k++) { // one wave
+    for (size_t k = count - 10; k < count; k++) { // the steps of one wave
         check_close(second.film[k], first.film[k], 1e-5, 0);
         least = fmin(least, first.film[k]);
         most = fmax(most, first.film[k]);
@@ -480,8 +482,8 @@ static void a_waviness_forgets_its_end(void **state) {
     marched_end(&second);
 }
 
-/* With error control a dent that starts far away passes with the steps that it requires. Its start
- * has no effect on the result. */
+/* With error control, steps become long while a dent is far away. They are short enough while the
+ * dent is on the grid. The distance at which the dent starts has no effect on the result. */
 static void a_dent_from_far_away_is_met(void **state) {
     (void)state;
     scene of = along_path(0.05, "end_time: 6");
@@ -555,8 +557,8 @@ static const full_state *last_of(const marched *self) {
     return full_march_state(self->full, NULL);
 }
 
-/* A resting surface is part of the start: under constant conditions nothing changes, for lines and
- * points, in both directions, with a given load or approach. */
+/* The start includes a surface that rests. Under constant conditions nothing then changes in time.
+ * This holds for lines and points, in both directions, with a given load or a given approach. */
 static void one_at_rest_is_part_of_the_start(void **state) {
     const struct {
         bool point;
@@ -594,9 +596,9 @@ static void one_at_rest_is_part_of_the_start(void **state) {
     }
 }
 
-/* Under pressure the viscosity is so high that the film is equal everywhere, so the surface is
- * pressed flat. A waviness of wavenumber k needs a pressure of k times its height (Johnson, Contact
- * Mechanics, 13.2: u' = 2 p/(E* k), here Delta = P/k). */
+/* Under pressure the viscosity is so high that the film has the same thickness everywhere. A
+ * waviness at rest is therefore pressed flat. With the wavenumber k this needs a pressure of k
+ * times its height (Johnson, Contact Mechanics, 13.2: u' = 2 p/(E* k), here Delta = P/k). */
 static void a_waviness_at_rest_is_pressed_flat(void **state) {
     (void)state;
     const double amplitude = 0.002, wavelength = 0.5, k = 2 * M_PI / wavelength;
@@ -617,7 +619,7 @@ static void a_waviness_at_rest_is_pressed_flat(void **state) {
     marched_end(&second);
 }
 
-/* A surface that moves at 1/5000 of the fluid's speed gives the result of a surface at rest. */
+/* A dent that moves at 1/5000 of the fluid's speed has the same effect as a dent at rest. */
 static void one_that_hardly_moves_is_as_at_rest(void **state) {
     (void)state;
     scene of = marched_scene(10, 3, "dowson-higginson", 0.05, "end_time: 1, fixed_step: 1");
@@ -638,7 +640,8 @@ static void one_that_hardly_moves_is_as_at_rest(void **state) {
     marched_end(&first);
 }
 
-/* Motion backwards over a dent is the mirror image of motion forwards over the mirrored dent. */
+/* Starts with motion backwards are the mirror images of starts with motion forwards, if the dent at
+ * rest is mirrored too. */
 static void starts_at_rest_have_mirror_images(void **state) {
     (void)state;
     scene of = marched_scene(20, 6, "dowson-higginson", 0.05, "end_time: 0.5, fixed_step: 0.25");
@@ -656,7 +659,7 @@ static void starts_at_rest_have_mirror_images(void **state) {
     }
     marched_end(&first);
     marched_end(&second);
-    // if the fluid rests too, the surface is added to the dry contact
+    // if the fluid rests too, the heights are added to the dry contact with its constant film
     of.transient.start_speed = 0;
     of.transient.start_film = 0.2;
     of.surface.position = 0;

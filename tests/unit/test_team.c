@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Threads that share a list: each part is done once, by any free thread. Sums do not depend on the
- * number of threads. */
+/* Threads that share a list. Each part of the list is done once, by any free thread. Sums do not
+ * depend on the number of threads. */
 #include "common/program/team.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -13,7 +13,7 @@
 
 enum { MOST_THINGS = 1000, MOST_MEMBERS = 7 };
 
-/* How often each thing was done, and the results of each part. */
+/* How often each entry of the list was done, and the results of each part of the list. */
 typedef struct notes {
     size_t done[MOST_THINGS];
     team_part parts[MOST_THINGS];
@@ -39,7 +39,7 @@ static double sum_of(const notes *self, size_t num_parts) {
     return sum;
 }
 
-/* Works on lists of all lengths in succession, so that threads are late for some of them. */
+/* Works on lists of all lengths in succession, so that for some lists threads come too late. */
 static void everything_is_done_once(void **state) {
     (void)state;
     for (size_t members = 0; members <= MOST_MEMBERS; members++) {
@@ -75,7 +75,7 @@ static double seconds(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* Waits until all members have arrived, or for a minute. */
+/* Waits until all members of the team are here at the same time, but at most a minute. */
 static void meet(void *context, const team_part *part) {
     atomic_size_t *met = context;
     const double end = seconds() + 60;

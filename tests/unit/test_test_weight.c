@@ -53,14 +53,14 @@ static void mode_is_that_of_the_basis(void **state) {
     free(weight);
 }
 
-/* Number and norms of the rows of a least-squares problem. */
+/* Number of rows of a least-squares problem, and their smallest and largest norm. */
 typedef struct norms {
     size_t num_rows;
     double least, most;
 } norms;
 
-/* Replaces the least-squares solver; records the Reynolds rows, which are all rows except the
- * closure. */
+/* Replaces the least-squares solver. Records number and norms of the Reynolds rows, which are all
+ * rows except the closure. */
 static ehd_status look(double *step, void *context, const double *matrix, const double *right,
                        size_t num_rows, size_t num_unknowns) {
     norms *self = context;
@@ -74,7 +74,7 @@ static ehd_status look(double *step, void *context, const double *matrix, const 
     return EHD_NOT_CONVERGED;
 }
 
-/* Returns the norms of all rows of the weighted basis, at training solution s. */
+/* Returns the norms of all rows with the weights of the basis, at training solution s. */
 static norms norms_at(size_t s) {
     const size_t num_unknowns = basis.states.num_unknowns;
     norms seen = {0, INFINITY, 0};
@@ -100,7 +100,7 @@ static void row_norm_gives_unit_rows(void **state) {
     (void)state;
     const size_t s = 4;
     double *before = basis.weight, *weight = malloc(basis.grid.num_nodes * sizeof *weight);
-    // only the contact of this training solution is given
+    // the weights are computed from this training solution alone
     assert_int_equal(test_weight_row_norm(weight, &basis, &training.contacts[s], 1, NULL), EHD_OK);
     basis.weight = weight;
     const norms seen = norms_at(s), other = norms_at(s + 3);
@@ -128,7 +128,7 @@ static void row_norm_is_the_mean_of_all_solutions(void **state) {
         first = basis.states.exit[s] < first ? basis.states.exit[s] : first;
     }
     basis.weight = before;
-    // rows behind some exits have no larger weight than the last row before all of them
+    // a row behind some of the exits has no larger weight than the last row before all exits
     for (size_t k = first; k < basis.grid.num_nodes; k++)
         assert_true(weight[k] <= weight[first - 1]);
     free(weight);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Repeatability of the library, whose caller chooses the number of OpenBLAS threads (the programs
- * use one). One thread gives the same bits again; two threads differ by less than a tolerance. */
+/* Repeatability of the library. Its caller chooses the number of OpenBLAS threads; the programs use
+ * one thread. With one thread a repeated computation gives the same bits. With two threads the
+ * difference is below a tolerance. */
 #include "common/program/openblas.h"
 #include "common/program/program.h"
 #include "fullrun/full_solver.h"
@@ -24,18 +25,18 @@ static double *numbers(size_t count) {
     return values;
 }
 
-/* Returns reproducible uniform numbers on -0.5 … 0.5. */
+/* Returns the next number of a reproducible sequence, uniform on -0.5 … 0.5. */
 static double noise(uint64_t *seed) {
     return random_next(seed) - 0.5;
 }
 
-// ---- repeated computations: each fills `result` with `count` numbers
+// ---- repeated computations, which fill `result` with `count` numbers
 
 typedef struct repeated {
     const char *name;
     size_t count;
     void (*run)(double *result);
-    double tolerance; // difference of two threads from one, relative to the largest number
+    double tolerance; // largest difference with two threads, relative to the largest number
 } repeated;
 
 /* Computes pressure and approach of a cold start. */
@@ -72,7 +73,7 @@ static void run_pod(double *result) {
         }
     assert_int_equal(pod_build(&basis, snapshots, NUM_STATES, NUM_NODES, &settings, NULL), EHD_OK);
     memcpy(result, basis.singular_values, NUM_MODES * sizeof(double));
-    // modes with close singular values may rotate; their projector does not change
+    // compare projected snapshots, because modes with close singular values may rotate
     for (size_t s = 0; s < NUM_STATES; s++)
         for (size_t m = 0; m < NUM_MODES; m++)
             for (size_t k = 0; k < NUM_NODES; k++)
@@ -88,7 +89,7 @@ static void run_pod(double *result) {
     free(coordinates);
 }
 
-/* Solves a system like that of an online iteration. */
+/* Solves a system like the system of an iteration of the online solver. */
 static void run_least_squares(double *result) {
     least_squares *workspace = least_squares_create(NUM_ROWS, NUM_COLUMNS);
     double *matrix = numbers(NUM_ROWS * NUM_COLUMNS), *right = numbers(NUM_ROWS);
@@ -144,7 +145,8 @@ enum { NUM_CALLERS = 3, NUM_CALLS = 10000, ORDER = 40, HEIGHT = 60 };
 
 static double triangle[ORDER * ORDER], right[HEIGHT * ORDER];
 
-/* Makes calls that use work space of OpenBLAS: a triangular system and a product. */
+/* Makes calls for which OpenBLAS needs work space: solves a triangular system, and computes a
+ * product. */
 static void call_blas(double *solved, double *product) {
     memcpy(solved, right, sizeof right);
     cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasUnit, HEIGHT, ORDER, 1,

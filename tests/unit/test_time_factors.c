@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The fit of the factors of the error estimates in time, on made-up steps. */
+/* The fit of the factors of transient error estimates, on made-up steps. */
 #include "romrun/calibrate/time_factors.h"
 #include "tests/unit/check.h"
 #include "tests/unit/random.h"
@@ -13,7 +13,7 @@ static step_samples steps;
 static bool lost[NUM_TRAJECTORIES];
 static double errors[NUM_STEPS];
 
-/* Makes steps with random errors up to 1e-4. A bound is between half and four times the error. */
+/* Makes steps with random errors up to 1e-4. A bound of a step is half to four times the error. */
 static void make_steps(uint64_t seed) {
     steps = (step_samples){.count = NUM_STEPS, .samples = samples};
     for (size_t i = 0; i < NUM_STEPS; i++) {
@@ -53,8 +53,8 @@ static film_factors fit_that_covers(void) {
     return factors;
 }
 
-/* Returns the mean of the largest estimates of a film, one from each trajectory that was not
- * lost. */
+/* Returns the mean, over all trajectories that are not lost (time_factors.h), of the largest
+ * estimate of a film in the trajectory. */
 static double mean_of(const film_factors *factors,
                       double (*of)(const film_factors *, const step_sample *)) {
     double largest[NUM_TRAJECTORIES] = {0}, sum = 0;
@@ -84,7 +84,7 @@ static void test_a_step_with_a_tiny_bound_decides_no_factor(void **state) {
     const double central = mean_of(&before, central_of), minimum = mean_of(&before, minimum_of);
     samples[77].deviation[REDUCED_CENTRAL_FILM] = samples[77].deviation[REDUCED_MINIMUM_FILM] =
         1.1e-4;
-    samples[77].bounds = (film_bounds){1e-8, 0, 1e-8}; // without floors the factors would be 33000
+    samples[77].bounds = (film_bounds){1e-8, 0, 1e-8}; // without a floor the factor would be 33000
     const film_factors after = fit_that_covers();
     assert_true(after.central <= 6 && after.minimum <= 6);
     assert_true(mean_of(&after, central_of) < 1.5 * central);
@@ -101,7 +101,8 @@ static void test_a_step_that_is_far_off_decides_no_floor(void **state) {
     assert_true(factors.central_floor < 4e-4 && factors.minimum_floor < 4e-4);
 }
 
-/* Compares the mean with the means for other floors. The search has a precision of 0.1 %. */
+/* The fit makes the mean of the largest estimates as small as possible. Compares this mean with the
+ * means for other floors. The search of the fit has a precision of 0.1 %. */
 static void test_the_mean_is_the_smallest(void **state) {
     (void)state;
     make_steps(3);
@@ -130,9 +131,9 @@ static void test_the_mean_is_the_smallest(void **state) {
     }
 }
 
-/* The bounds of most trajectories are small. A larger factor then raises their estimates less than
- * a floor does. The bounds of one trajectory are large: the fit prefers the floor, unless that
- * trajectory was lost. */
+/* The bounds of most trajectories are small, so a larger factor raises their estimates less than a
+ * larger floor does. One trajectory has large bounds. Because of this trajectory the fit chooses
+ * the larger floor, unless this trajectory is lost. */
 static void test_lost_trajectories_are_covered_and_not_in_the_mean(void **state) {
     (void)state;
     make_steps(4);

@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Returns a contact of a kind with the default grid of its reference, and its histories up to
+/* Returns a transient contact on the default grid of its reference, and its histories up to
  * T = `end_time`. */
 static ehd_contact contact_with(ehd_histories **histories, const char *kind, double moes_M,
                                 double moes_L, double end_time, const char *transient) {
@@ -51,9 +51,9 @@ static ehd_contact still_contact(const char *kind, double moes_M) {
     return contact;
 }
 
-/* M is proportional to the load. For a line it is also proportional to one over the root of the
- * speed. At the smallest M the default grid has an estimated error of at most 3 %. With three
- * quarters of the length the error is larger. */
+/* The default grid suits the smallest M of the histories. M is proportional to the load, and for a
+ * line inversely proportional to the root of the speed. At the smallest M the estimated error of
+ * the default grid is at most 3 %. With three quarters of the inlet the error is larger. */
 static void ends_suit_the_smallest_M(void **state) {
     (void)state;
     static const struct {
@@ -79,14 +79,15 @@ static void ends_suit_the_smallest_M(void **state) {
         assert_true(found.x_max >= grid_extent_needed(&reference).x_max);
         assert_true(found.step == grid_extent_needed(&reference).step);
     }
-    // a heavier load needs no longer inlet
+    // if the load only rises, the inlet stays as it is
     const ehd_contact light = still_contact("line", 4);
     check_close(extent_with("line", 4, 4, "load: {law: ramp, to: 5, start: 1, duration: 1}").x_min,
                 grid_extent_needed(&light).x_min, 0, 1e-12);
 }
 
-/* The grid suits light loads that last for a short time: at a kink, in each of a thousand periods,
- * and at the end. Samples taken once a period would all see the mean load. */
+/* The grid suits light loads that last only for a short time: at a kink, in each of a thousand
+ * periods, and at the end. If the load were sampled once a period, all samples would be the mean
+ * load. */
 static void no_minimum_is_missed(void **state) {
     (void)state;
     static const char *const transients[] = {
@@ -102,7 +103,7 @@ static void no_minimum_is_missed(void **state) {
     }
 }
 
-/* Checks whether the default grid is too short at the end of a step from a load of 1 to `load`. */
+/* Checks whether the default grid is too short after the load has jumped from 1 to `load`. */
 static bool is_short_at(const char *kind, double moes_M, double moes_L, double load) {
     char transient[128];
     ehd_histories *histories;
@@ -121,7 +122,8 @@ static bool is_short_at(const char *kind, double moes_M, double moes_L, double l
 }
 
 /* A default grid is trusted under the loads of its own history. The limit of nodes allows this for
- * lines with M above 0.3 at all times, and for points of M from 20 on with a fifth of the load. */
+ * lines if M is always above 0.3, and for points if M is at least 20 and the load falls to no less
+ * than a fifth. */
 static void default_grids_suffice(void **state) {
     (void)state;
     static const double all_M[] = {1, 3, 8, 20, 50, 150}, all_L[] = {0, 4, 8, 15};
@@ -138,7 +140,8 @@ static void default_grids_suffice(void **state) {
             }
 }
 
-/* Light loads cause at most 10,000 nodes, or twice as many as the reference needs. */
+/* However light the loads, the grid has at most 10,000 nodes, or twice as many as the grid of the
+ * reference if this is more. */
 static void grids_stay_within_bounds(void **state) {
     (void)state;
     static const double all_M[] = {30, 150};
@@ -167,8 +170,8 @@ static void both_ends_have_an_inlet(void **state) {
     assert_true(found.x_max == -found.x_min && found.x_min < -3);
 }
 
-/* Errors of the central film, computed by fullrun against four times the length of the default grid
- * (Roelands, compressible). The estimate is 1.1 to 5 times the error. */
+/* `error` is the error of the central film, computed by fullrun in comparison with four times the
+ * length of the default grid (Roelands, compressible). The estimate is 1.1 to 5 times the error. */
 static void estimates_are_bounds(void **state) {
     (void)state;
     static const struct {
@@ -185,9 +188,10 @@ static void estimates_are_bounds(void **state) {
     }
 }
 
-/* A frame has the estimate of the stationary contact with the same M. For a line at M = 1, L = 0
- * the estimate is above the error of the central film and below twice this error. The errors are
- * measured against an inlet of 96 half widths: 1.6 % with 12 half widths, 3.6 % with 8. */
+/* The estimate for a frame equals the estimate for the stationary contact with the same M. For a
+ * line with M = 1, L = 0 it is one to two times the error of the central film. The error was
+ * measured in comparison with an inlet of 96 half widths: 1.6 % with 12 half widths, 3.6 % with
+ * 8. */
 static void effects_of_inlets(void **state) {
     (void)state;
     static const double error[] = {0.0162, 0.0357}, length[] = {12, 8};
@@ -206,7 +210,7 @@ static void effects_of_inlets(void **state) {
         frame_contact(&contact, &frame, &still);
         assert_int_equal(time_grid_is_short(&effect, &contact, false), i == 1);
         if (!(effect > error[i] && effect < 2 * error[i])) fail_msg("found %g", effect);
-        assert_true(time_grid_is_short(&backwards, &contact, true)); // the outlet is 2 long
+        assert_true(time_grid_is_short(&backwards, &contact, true)); // an inlet of length 2
         contact_set_moes(&still, 1, 0);
         check_close(grid_inlet_effect(&still, length[i]), effect, 1e-9, 0);
     }

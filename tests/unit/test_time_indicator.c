@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Transient error estimates of the films, from residuals of rows and from a moving exit. */
+/* Transient error estimates of the films. They are computed from residuals of rows and from the
+ * motion of the exit. */
 #include "romrun/trust/time_indicator.h"
 #include "tests/unit/marching.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum { STATE = 6 }; // a training state
+enum { STATE = 6 }; // training state of the contact
 
 static trained training; // 121 nodes
 static reduced_basis basis;
-static marching at_rest; // with all rows
+static marching at_rest; // after its start, with all rows
 static time_indicator indicator;
 static ehd_error error;
 
@@ -43,8 +44,8 @@ static double local_of(reduced_film film) {
     return time_indicator_local(&indicator, film, 0.1);
 }
 
-/* An error decreases to 1/e while the fluid moves from the minimum to the exit. New errors are
- * added. A repeated step starts from the accepted state. */
+/* While the fluid moves from the minimum of the film to the exit, an earlier error decreases to
+ * 1/e. The error of a new step is added. A repeated step starts from the accepted state again. */
 static void what_rows_do_leaves_through_the_exit(void **state) {
     const contact_scalars scalars = {.central_film_thickness = 0.1,
                                      .minimum_film_thickness = 0.08,
@@ -72,8 +73,9 @@ static void what_rows_do_leaves_through_the_exit(void **state) {
     check_close(local_of(REDUCED_MINIMUM_FILM), 0, 0, 0);
 }
 
-/* An error decays over the path from the place where it arose to the exit. Errors of the
- * constriction and of a dip far before it decay independently, wherever the minimum lies later. */
+/* An error decays along the path from the place where it arose to the exit. If one error arose in
+ * the constriction and another in a dip far upstream, the two decay independently. The place of the
+ * minimum in later steps has no effect. */
 static void what_rows_do_leaves_from_where_it_arose(void **state) {
     const contact_scalars outlet = {.central_film_thickness = 0.1,
                                     .minimum_film_thickness = 0.08,
@@ -105,8 +107,8 @@ static size_t row_at(size_t node) {
     return row;
 }
 
-/* A row of the least squares has no effect here: the residual of this row is counted with the least
- * squares. A row that an exit has passed since has the influence and weight of the nearest row of
+/* time_indicator_at_exit counts only residuals of rows that are not in the least squares, because
+ * an exit has passed them since. Such a row has the influence and the weight of the nearest row in
  * the least squares. */
 static void rows_that_an_exit_has_passed_count(void **state) {
     const row_set *rows = &at_rest.model.rows;
@@ -116,7 +118,7 @@ static void rows_that_an_exit_has_passed_count(void **state) {
 
     assert_non_null(influence);
     time_indicator_place(&indicator, &at);
-    assert_int_equal(indicator.num_at_exit, 2); // on this grid kept factors reach no farther
+    assert_int_equal(indicator.num_at_exit, 2); // kept factors need the same exit on this grid
     const size_t before = indicator.node[indicator.num_nodes];
     assert_int_equal(before, at.exit - 1);
     indicator.residual[indicator.num_nodes] = 0.5;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Transient results: writing, following, killing, resuming and reading. */
+/* Files of transient results: they are written, read during the run, resumed after the run was
+ * killed, and read. */
 #include "common/output/time_result.h"
 
 #include "common/output/result.h"
@@ -23,8 +24,8 @@
 enum { NUM_NODES = 123, NUM_INNER = 121, RESTART_SIZE = 700, FIELDS_EVERY = 3 };
 
 static size_t restart_size;
-static const char *model; // model of the run; NULL: none
-static scene given;       // only its tables are used
+static const char *model; // model file of the run; NULL: the run has no model
+static scene given;       // scene of the run; only its tables are used
 
 static ehd_contact contact; // 121 inner nodes
 static char path[128], partial[160], saved[160];
@@ -52,9 +53,9 @@ static int set_up(void **state) {
 
 // ---- killing between writes
 
-/* HDF5 also writes through these functions. With a limit, the process is killed after `writes_left`
- * writes, during the next one. Of this write only the part on the first page is written, as when
- * the kernel ends a write between two pages. */
+/* These functions replace the functions with which HDF5 writes. If `writes_left` is not negative,
+ * the process is killed after so many writes, in the middle of the next write. Of this write only
+ * the part on the first page is written, as if the kernel stopped between two pages. */
 static long writes_left = -1; // negative: no limit
 
 int ftruncate(int descriptor, off_t size) {
@@ -93,7 +94,7 @@ static double time_at(size_t index) {
     return 0.25 * (double)index;
 }
 
-/* Returns the exits of an entry. */
+/* Returns the exits of the entry with this index. */
 static const double *exits_at(size_t index) {
     static double exits[GRID_EXITS];
 
@@ -125,7 +126,7 @@ static time_entry entry_at(size_t index) {
     return entry;
 }
 
-/* Removes an unfinished run, and its copy, which artefact_save has made on a slow machine. */
+/* Removes the file of an unfinished run and the copy that artefact_save makes on a slow machine. */
 static void remove_unfinished(void) {
     unlink(partial);
     unlink(saved);
@@ -267,8 +268,8 @@ static void grows_and_reads_back(void **state) {
     check_result(num_times, true);
 }
 
-/* With transport along the path a line contact has any number of exits. They are stored from the
- * farthest downstream on. */
+/* With transport along the path a line contact may have several exits. They are stored in the order
+ * from downstream to upstream. */
 static void all_exits_are_stored(void **state) {
     (void)state;
     static const artefact_schema *const schemas[] = {&schema_result, NULL};
@@ -322,7 +323,7 @@ static void summary_is_stored(void **state) {
     artefact_close(&file);
 }
 
-/* Returns the number of fields with one number for each time, including the time itself. */
+/* Returns the number of fields that have one number for each time, including `time`. */
 static size_t num_scalars(void) {
     size_t count = 1;
     for (const artefact_field *field = schema_result.fields; field->name; field++)
@@ -373,7 +374,7 @@ static void stationary_is_one_time(void **state) {
     time_series_free(&series);
 }
 
-/* Changes one value of a finished file directly. */
+/* Changes one time in a finished file, by HDF5 alone. */
 static void patch_time(size_t index, double value) {
     const hsize_t first[1] = {index}, count[1] = {1};
     hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
@@ -455,7 +456,7 @@ static void memory_failures(void **state) {
     for (allocation_fail_at(call = 0);; allocation_fail_at(++call)) {
         status = time_series_read(&series, path, &contact_line, &error);
         if (!allocation_failed()) break;
-        // a field whose name cannot be read is treated as one with values
+        // if the name of a field cannot be read, the field is treated as one that was written
         if (!status) check_series(&series, 2);
         time_series_free(&series);
     }
@@ -465,10 +466,10 @@ static void memory_failures(void **state) {
     time_series_free(&series);
 }
 
-// ---- following
+// ---- reading during the run
 
-/* Acts as a follower: reads the length of the time axis and checks that every field has as many
- * entries. Returns the length. */
+/* Reads a file that is being written, as a program that follows the run does. Returns the length of
+ * the time axis, and checks that every field has at least as many entries. */
 static size_t follow(hid_t file) {
     static const char *const names[] = {"central_film_thickness", "status", "time_step",
                                         "pressure"};
@@ -495,7 +496,7 @@ static size_t follow(hid_t file) {
     const hsize_t first[1] = {0};
     H5Sselect_hyperslab(all, H5S_SELECT_SET, first, NULL, length, NULL);
     int attempts = 0;
-    // the chunk may be rewritten while it is read
+    // reading fails if the chunk is rewritten at the same time
     while (H5Dread(film, H5T_NATIVE_DOUBLE, memory, all, H5P_DEFAULT, values) < 0)
         assert_true(attempts++ < 1000);
     for (size_t i = 0; i < length[0]; i++)
@@ -539,7 +540,7 @@ static void followed_while_it_grows(void **state) {
         pause();
     }
     assert_int_equal(read(ends[0], &byte, 1), 1);
-    alarm(60); // in case the child fails
+    alarm(60); // ends the test if the child fails
     hid_t file = open_to_follow();
     while (seen < num_times) {
         size_t length = follow(file);
@@ -559,8 +560,8 @@ static void followed_while_it_grows(void **state) {
 
 // ---- killing and resuming
 
-/* Appends entries from `first` on, with two checkpoints after each second entry, so that both slots
- * may have the same number of entries. */
+/* Appends the entries first, first + 1, …, num_times - 1. After every second entry it writes two
+ * checkpoints, so that both slots for checkpoints may have the same number of entries. */
 static void run(artefact *file, size_t first, size_t num_times) {
     for (size_t i = first; i < num_times; i++) {
         check_ok(append(file, i, true));
@@ -569,8 +570,8 @@ static void run(artefact *file, size_t first, size_t num_times) {
     }
 }
 
-/* Kills a run in write number `kill_at` after entry `first`. Returns false if the run finished
- * before. */
+/* Starts a run in a child process, and kills it in write number `kill_at` (counted from 0) after
+ * entry `first`. Returns false if the run ended before. */
 static bool killed_run(size_t first, size_t num_times, long kill_at) {
     int outcome = 0;
 
@@ -589,8 +590,9 @@ static bool killed_run(size_t first, size_t num_times, long kill_at) {
     return false;
 }
 
-/* Kills a run at every `stride`-th write. All entries up to a checkpoint must be there, at most one
- * checkpoint may be lost, and the rest can be added. Returns the number of kills. */
+/* Kills one run after another, each `stride` writes later than the run before. After each kill all
+ * entries up to a checkpoint must be in the file, at most the last checkpoint may be lost, and the
+ * other entries can be added. Returns the number of kills. */
 static size_t kill_and_resume(size_t first, size_t num_times, long stride) {
     size_t num_entries = 0, least = first, kills = 0;
     artefact *file = NULL;
@@ -605,14 +607,14 @@ static size_t kill_and_resume(size_t first, size_t num_times, long stride) {
         check_result(num_times, true);
         unlink(path);
     }
-    remove_unfinished(); // left by the run that ended without a kill
+    remove_unfinished(); // file of the last run, which was not killed
     assert_true(least + 2 >= num_times);
     return kills;
 }
 
 static void kill_at_every_write(void **state) {
     (void)state;
-    const size_t sizes[] = {RESTART_SIZE, 400}; // more and less than a page
+    const size_t sizes[] = {RESTART_SIZE, 400}; // in bytes, more and less than a page
     const long stride = check_all() ? 1 : 29;
     for (size_t i = 0; i < 2; i++) {
         restart_size = sizes[i];
@@ -626,7 +628,7 @@ static void kill_at_a_new_chunk(void **state) {
     assert_true(kill_and_resume(252, 258, stride) > 105 / (size_t)stride); // a chunk: 255 scalars
 }
 
-/* Writes three entries, two of them before the checkpoint, and closes the file regularly. */
+/* Writes two entries, a checkpoint and a third entry, and closes the file as usual. */
 static void interrupted_run(void) {
     artefact *file = start(true);
 
@@ -680,7 +682,7 @@ static void resume_refuses_another_run(void **state) {
     check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA, "restart_entry");
     restart_size = RESTART_SIZE;
     const ehd_grid own = contact.grid;
-    // an equal number of nodes at other places
+    // as many nodes, but at other places
     contact.grid =
         grid_of(own.x_min - own.step, own.step, own.inner_x, 1, false, own.discretization);
     check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA,
@@ -729,7 +731,7 @@ static void resume_refuses_other_inputs(void **state) {
                   "result.h5.partial: found a run with another model than /tmp/");
     check_refused(EHD_DATA, EHD_DATA, "second.h5 is now");
     assert_null(file);
-    // also if the other model has restart data of another size
+    // the error is the same if the other model has restart data of another size
     restart_size = 699;
     check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA, "another model");
     restart_size = RESTART_SIZE;
@@ -738,7 +740,7 @@ static void resume_refuses_other_inputs(void **state) {
     check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA, "another table than");
     check_refused(EHD_DATA, EHD_DATA, "table.csv is now");
     spill(table, "three");
-    // the content decides, not the name
+    // another name of a file with the same content is no error
     spill(second, "one");
     model = second;
     check_ok(try_resume(&file, &num_entries, "scene"));
@@ -746,7 +748,7 @@ static void resume_refuses_other_inputs(void **state) {
     artefact_close(&file);
 }
 
-/* Flips a bit of the first number in NAME.partial that has this value. */
+/* Finds the first number with this value in the unfinished file, and flips a bit of it. */
 static void damage(double value) {
     int descriptor = open(partial, O_RDWR);
     off_t size = lseek(descriptor, 0, SEEK_END);
@@ -766,7 +768,7 @@ static void resume_and_damage(void **state) {
     size_t num_entries = 0;
     artefact *file = NULL;
 
-    // fields after the checkpoint are written again
+    // damage behind the last checkpoint does not matter, because these fields are written again
     file = start(true);
     run(file, 0, 7);
     artefact_close(&file);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Transient runs that end early and are resumed must report the same as an uninterrupted run. The
- * films of the solver are known. */
+/* A transient run that ends early and is resumed must report the same as a run without an
+ * interruption. The films come from a stub solver and are known. */
 #include "common/output/time_run.h"
 
 #include "common/output/time_result.h"
@@ -22,15 +22,15 @@ enum { NEVER = 0, TEXT = 8192 };
 
 static const double ATTEMPT_SECONDS = 2e-3;
 
-// ---- the solver: steps of 0.1 to T = 1; special events lie in the first half
+// ---- the stub solver, with steps of 0.1 to T = 1; all special events lie in the first half
 
 typedef struct stub_solver {
     double time, new_time;
-    size_t num_attempts;   // number in this process
-    size_t before;         // attempts of earlier processes, from the saved state
-    size_t interrupted_at; // attempt to interrupt, over all processes
+    size_t num_attempts;   // number of attempts in this process
+    size_t before;         // number in earlier processes, from the saved state
+    size_t interrupted_at; // number of the attempt to interrupt, in all processes
     bool interrupted_at_start, fails_at_start;
-    double fails_from; // time T
+    double fails_from; // no step beyond this T converges
 } stub_solver;
 
 static stub_solver stub;
@@ -189,7 +189,8 @@ static void slurp(char text[TEXT], const char *name) {
     fclose(stream);
 }
 
-/* Runs in a child process; returns its exit code and fills `out` and `err`. */
+/* Calls run_child in a child process. Copies what the child prints into `out` and `err`, and
+ * returns its exit code. */
 static int run(bool resume, bool written) {
     int outcome = 0;
 
@@ -206,7 +207,8 @@ static int run(bool resume, bool written) {
     return WEXITSTATUS(outcome);
 }
 
-/* Removes the line with this start from a text, because its seconds differ between runs. */
+/* Removes the line that begins with `start_of_it` from a text. This line contains seconds, which
+ * differ from run to run. */
 static void drop_line(char text[TEXT], const char *start_of_it) {
     char *line = strstr(text, start_of_it);
     assert_non_null(line);
@@ -233,7 +235,8 @@ static void check_contains(const char *text, const char *part) {
     if (!strstr(text, part)) fail_msg("found \"%s\", expected in it \"%s\"", text, part);
 }
 
-/* Interrupts at each attempt in turn, and again two attempts later. */
+/* For each attempt: interrupts a run at this attempt, interrupts the resumed run two attempts
+ * later, and resumes it again. */
 static void resumed_reports_what_an_uninterrupted_run_does(void **state) {
     (void)state;
     char whole_out[TEXT], whole_err[TEXT];
@@ -318,7 +321,7 @@ static void an_early_end_is_told(void **state) {
     check_contains(err, "not converged: found a step size of");
     assert_true(access(path, F_OK) != 0);
 
-    // a resumed run that gets no further reports the same
+    // if the resumed run gets no further, it reports the same
     assert_int_equal(run(true, true), EHD_NOT_CONVERGED);
     check_contains(out, line);
     check_contains(out, "smallest film           0.1");

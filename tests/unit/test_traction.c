@@ -50,15 +50,15 @@ static void laws_have_their_limits(void **state) {
         check_close(newton,
                     contact.lambda / 12 * slope * 0.1 / film * viscosity_ratio(&contact, pressure),
                     1e-14, 0);
-        // far below its characteristic stress every law is Newtonian
+        // at stresses far below the characteristic stress of a law, the law is Newtonian
         set_shear(&contact, "eyring", 1e6 * newton * hertz, NAN);
         check_close(contact_shear_stress(&contact, pressure, film, 0), newton, 1e-12, 0);
         set_shear(&contact, "carreau", 1e7 * newton * hertz, 0.5);
         check_close(contact_shear_stress(&contact, pressure, film, 0), newton, 1e-12, 0);
         set_shear(&contact, "limiting", 1e6 * newton / pressure, NAN);
         check_close(contact_shear_stress(&contact, pressure, film, 0), newton, 1e-6, 0);
-        // near this stress, checked by the definition of each law: the rate of shear for a given
-        // stress
+        // near its characteristic stress a law is checked by its definition, which gives the rate
+        // of shear for a stress
         const double tau0 = newton * hertz / 3, viscous = newton * hertz;
         set_shear(&contact, "eyring", tau0, NAN);
         double stress = contact_shear_stress(&contact, pressure, film, 0) * hertz;
@@ -79,8 +79,8 @@ static void laws_have_their_limits(void **state) {
     }
 }
 
-/* Checks the slopes against closed forms: Newtonian by the slope of the viscosity, Eyring by asinh,
- * and at a limiting stress. */
+/* Compares the slopes with closed forms: the slope of the viscosity for a Newtonian fluid, the
+ * derivative of asinh for an Eyring fluid, and the limit for a limiting stress. */
 static void slopes_are_those_of_the_laws(void **state) {
     (void)state;
     ehd_contact contact = with_sliding(sample_contact("barus", "incompressible", 20, 8, 0.05), 0.1);
@@ -106,7 +106,7 @@ static void slopes_are_those_of_the_laws(void **state) {
     }
 }
 
-/* A viscosity over hundreds of decades does not overflow. */
+/* If the viscosity rises by hundreds of decades, stresses do not overflow. */
 static void stresses_stay_finite(void **state) {
     (void)state;
     ehd_contact contact =
@@ -123,7 +123,8 @@ static void stresses_stay_finite(void **state) {
 
 // ---- integrals
 
-/* A plug of constant film and pressure, wider than the dry contact, has closed-form results. */
+/* A plug has constant film and pressure and is wider than the dry contact. For it all results are
+ * known in closed form. */
 static void plug_of_constant_film(void **state) {
     (void)state;
     const double film = 0.07, pressure = 0.6;
@@ -149,7 +150,8 @@ static void plug_of_constant_film(void **state) {
         const traction_sums beyond = contact_traction_beyond(&contact, &scalars);
         const double here = -contact.lambda / 12 * slope * 0.3 / film;
         const double stress = here * viscosity_ratio(&contact, pressure);
-        // behind the last node the stress changes within a step to that without pressure
+        // behind the last node with pressure, the stress falls within a step to the stress without
+        // pressure
         double force = stress * cells * grid_cell(grid), ends = 0;
         for (size_t r = 0; r < grid->num_inner; r++) {
             const size_t k = grid_node_of_row(grid, r);
@@ -168,7 +170,7 @@ static void plug_of_constant_film(void **state) {
     }
 }
 
-/* The exit lies within the last cell; the result is exact for stresses that vary linearly there. */
+/* The exit lies inside the last cell. The friction is exact if the stress varies linearly there. */
 static void exit_within_a_cell(void **state) {
     (void)state;
     ehd_contact contact = with_sliding(sample_contact("barus", "incompressible", 20, 0, 0.0625), 1);
@@ -182,7 +184,7 @@ static void exit_within_a_cell(void **state) {
     for (double place = 0; place <= 1; place += 0.25) {
         const contact_scalars scalars = {.load = 1, .exit_position = 1 + place * grid->step};
         const contact_traction found = contact_traction_of(&contact, p, h, &scalars);
-        // from half a step before the first inner node, whose cell counts completely
+        // the length begins half a step before the first inner node, because its whole cell counts
         const double length = 1 + place * grid->step - grid->x_min + grid->step / 2;
         const double within = contact.lambda / 12 * slope / 0.1 * length;
         const double beyond = contact_traction_beyond(&contact, &scalars).friction;
@@ -192,8 +194,8 @@ static void exit_within_a_cell(void **state) {
     free(h);
 }
 
-/* Half the difference of the stresses on both surfaces is the friction; half their sum is the
- * negative rolling resistance within the grid. */
+/* The friction is half of the difference between the forces on the two surfaces. The rolling
+ * resistance within the grid is minus half of their sum. */
 static void stresses_on_both_surfaces(void **state) {
     (void)state;
     ehd_contact contact =
@@ -223,8 +225,9 @@ static void stresses_on_both_surfaces(void **state) {
     free(on[1]);
 }
 
-/* The mean over the dry contact has second order in the step, wherever its edge lies between nodes.
- * The stresses are 1/(1 + X^2) and 1 - r^2/2. */
+/* The error of the mean stress over the dry contact has second order in the step, wherever the edge
+ * of the dry contact lies between nodes. The stress is 1/(1 + X^2) for a line and 1 - r^2/2 for a
+ * point. */
 static void mean_over_the_area(void **state) {
     (void)state;
     for (int dimensions = 1; dimensions <= 2; dimensions++)
@@ -257,8 +260,8 @@ static void mean_over_the_area(void **state) {
 
 // ---- beyond the grid
 
-/* The inlet before the grid of a rigid parabola agrees with Martin's closed form (1916), X = sqrt(2
- * H0) tan(theta), for any length of the grid and any flow. */
+/* The inlet upstream of the grid agrees with the closed form of Martin (1916) for a rigid parabola,
+ * with X = sqrt(2 H0) tan(theta). This holds for any length of the grid and any flow. */
 static void inlet_of_a_rigid_line(void **state) {
     (void)state;
     for (int i = 0; i < 3; i++)
@@ -279,7 +282,7 @@ static void inlet_of_a_rigid_line(void **state) {
             const double at_first = approach + first * first / 2;
             check_close(found.friction,
                         contact.lambda / 12 * slope * 0.3 * (once + 0.025 / at_first), 1e-5, 0);
-            // with reversed entrainment this inlet lies behind
+            // with reversed entrainment the inlet lies at positive X
             contact.grid =
                 grid_like(&contact.grid, -first - 99 * 0.05 + 2 * first - 0.05, 0.05, 100, 1);
             contact.entrainment = -0.7;
@@ -289,9 +292,9 @@ static void inlet_of_a_rigid_line(void **state) {
         }
 }
 
-/* Compares the effect of the surroundings of points and ellipses with another rule: rings of equal
- * parts of ln r around the cells of the grid. The rule uses the pressure minus that at the rim in
- * the same direction. */
+/* Compares the contribution of the surroundings of a point or elliptic contact with another
+ * quadrature. This quadrature uses rings around the cells of the grid, with equal parts of ln r. It
+ * subtracts the pressure at the outer rim in the same direction. */
 static void around_a_point(void **state) {
     (void)state;
     const double ellipticities[] = {1, 0.5, 3}, approach = -0.4;
@@ -354,8 +357,9 @@ static contact_traction traction_from(double x_min, const char *kind, double M, 
     return found;
 }
 
-/* The rolling resistance does not depend on where the grid begins. Without the inlet before the
- * grid, 5 % of a line's resistance and a third of a point's would be missing. */
+/* The rolling resistance hardly depends on where the grid begins. Without the inlet upstream of the
+ * grid, 5 % of the resistance of this line and a third of the resistance of this point would be
+ * missing. */
 static void hardly_depends_on_the_domain(void **state) {
     (void)state;
     const double line = traction_from(-24, "line", 10, 5, 0.02).rolling_resistance;
@@ -366,7 +370,7 @@ static void hardly_depends_on_the_domain(void **state) {
     check_close(traction_from(-6, "point", 20, 5, 0.125).rolling_resistance, point, 1.5e-3, 0);
 }
 
-/* The gradient beside the boundary includes the far field, so stresses are smooth there. */
+/* Next to the boundary the pressure gradient includes the far field, so the stresses are smooth. */
 static void stresses_beside_the_boundary(void **state) {
     (void)state;
     full_settings settings = full_default_settings();
@@ -390,7 +394,7 @@ static void stresses_beside_the_boundary(void **state) {
 
 // ---- energy
 
-/* Returns int dP/rho, the pressure's work in a barotropic fluid. */
+/* Returns int dP/rho, the work of the pressure per mass of a barotropic fluid. */
 static double specific_work(const ehd_contact *contact, double pressure) {
     enum { PARTS = 64 };
     double sum = 0;
@@ -405,8 +409,8 @@ static double specific_work(const ehd_contact *contact, double pressure) {
 }
 
 /* Returns the dissipation of the pressure flow, eps |grad P|^2/rho, from the rows of the Reynolds
- * operator at rest. Summation by parts gives fluxes of the mobilities times differences of the
- * pressure. */
+ * equation without entrainment. Summation by parts turns the sum over the rows into fluxes times
+ * differences of the pressure. */
 static double dissipated(const problem *solved) {
     const ehd_contact *contact = &solved->contact;
     const ehd_grid *grid = &contact->grid;
@@ -446,23 +450,23 @@ static double sheared(const problem *solved, const ehd_contact *sliding) {
         const double *pressure = solved->state.pressure + k, *film = solved->state.film + k;
         if (!(pressure[0] > 0)) continue;
         sum += grid_load_weight(grid, k) * viscosity_ratio(sliding, pressure[0]) / film[0];
-        // the shear zone of a point contact ends at the next node without pressure, that of a line
-        // before it
+        // the shear zone of a point contact ends at the next node without pressure, the shear zone
+        // of a line contact ends before this node
         if (!(pressure[1] > 0) && sliding->kind->dimensions == 2)
             sum += grid_load_weight(grid, k) / 2 / film[1];
     }
     return sum * sliding->lambda / 12 * speed * speed / slope;
 }
 
-/* In pure rolling the pressure flow dissipates the power of the surfaces. The moment of the
- * pressure equals that of the tangential stresses on both surfaces. Sliding does not change this
- * film; the shear flow dissipates the rest of the power. */
+/* In pure rolling the pressure flow dissipates the whole power of the surfaces. The moment of the
+ * pressure equals the moment of the tangential stresses on both surfaces. If the surfaces also
+ * slide, the film does not change, and the shear flow dissipates the additional power. */
 static void energy_and_moment(void **state) {
     (void)state;
     static const struct {
         const char *viscosity, *density;
         double M, L, step;
-        size_t cells;       // number for a point contact
+        size_t cells;       // number of cells of a point contact; 0: line contact
         double ellipticity; // 1: round
     } cases[] = {{"barus", "incompressible", 10, 5, 0.0025, 0, 1},
                  {"roelands", "incompressible", 10, 4, 0.005, 0, 1},
@@ -495,7 +499,7 @@ static void energy_and_moment(void **state) {
         const traction_sums around = contact_traction_beyond(&contact, &scalars);
         const double within = dissipated(&solved);
         check_close(slope * (within + around.rolling) / contact.kind->load, found.power, 1e-4, 0);
-        // surfaces that slide so slowly that both parts matter
+        // the surfaces slide so slowly that both flows dissipate the same power
         ehd_contact sliding = with_sliding(contact, 1);
         const double rolled = found.power * contact.kind->load;
         sliding.slide_roll = -sqrt(rolled / (sheared(&solved, &sliding) +
@@ -512,8 +516,8 @@ static void energy_and_moment(void **state) {
     }
 }
 
-/* Returns the dissipation of a thinned flow from the quadrature of its velocity profile: stress
- * times rate of shear, half way between nodes, in units of p_H u_m a. */
+/* Returns the dissipation of a thinned flow by quadrature. It is the integral of stress times rate
+ * of shear over the velocity profiles half way between nodes, in units of p_H u_m a. */
 static double dissipated_by_profile(const problem *solved) {
     enum { PARTS = 400 };
     const ehd_contact *contact = &solved->contact;
@@ -546,7 +550,7 @@ static double dissipated_by_profile(const problem *solved) {
     return sum;
 }
 
-/* Checks that the power of the surfaces equals the dissipation in a film that sliding thins. */
+/* Checks that the power of the surfaces equals the dissipation, if sliding thins the flow. */
 static void energy_of_a_thinned_flow(void **state) {
     (void)state;
     const double slides[] = {0.01, 1}, stresses[] = {5e-4, 2e-3};
@@ -567,7 +571,7 @@ static void energy_of_a_thinned_flow(void **state) {
         const double outside = contact.slide_roll * beyond.friction + slope * beyond.rolling;
         check_close((dissipated_by_profile(&solved) + outside) / contact.kind->load, found.power,
                     1e-3, 0);
-        // this would not hold for the stress without the gradient
+        // with a stress that leaves out the pressure gradient, the power would be larger
         ehd_contact newtonian = contact;
         newtonian.lubricant.thinning_stress = 0;
         const contact_traction without =

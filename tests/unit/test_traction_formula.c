@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The traction curve from mean conditions: the published formula, its limits, and the friction
- * under Hertz' pressure that it approximates. */
+/* The formula for a traction curve from mean conditions. It is compared with the published formula,
+ * with its limits, and with the friction under Hertz pressure that it approximates. */
 #include "common/physics/laws.h"
 #include "common/physics/traction.h"
 #include "common/physics/traction_formula.h"
@@ -13,7 +13,7 @@
 static const double VISCOSITY = 0.04, ALPHA = 2e-8, SPEED = 2, MODULUS = 2.2e11, RADIUS = 0.01,
                     FILM = 3e-7; // m
 
-/* Returns a contact with 0.6 to 1 GPa and Eyring's law. */
+/* Returns a contact with a Hertz pressure of 0.6 to 1 GPa and Eyring's law. */
 static ehd_contact sliding(const char *kind, double load, double tau0) {
     scene given = sample_scene("barus", "incompressible", NAN, NAN);
     ehd_contact contact;
@@ -62,8 +62,8 @@ static void is_newtons_where_the_eyring_stress_is_large(void **unused) {
     assert_true(traction_at_mean_pressure(&contact, film, 0.03).excess < 1e-2);
 }
 
-/* Returns the friction of the law under Hertz' pressure with a constant film, by the midpoint rule
- * over rings (point) or strips (line). */
+/* Returns the coefficient of friction for Hertz pressure and a constant film. Integrates the stress
+ * by the midpoint rule, over rings of a point contact or strips of a line contact. */
 static double under_hertz(const ehd_contact *contact, double film, double slide_roll) {
     enum { PARTS = 4000 };
     const bool point = contact->kind->dimensions > 1;

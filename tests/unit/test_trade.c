@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The table of model sizes: their choice, their measurement, and the choice of one by accuracy. */
+/* The table of model sizes: the choice of its sizes, the measurement of each size, and the choice
+ * of one size by its accuracy. */
 #include "common/artefact/artefact.h"
 #include "romrun/calibrate/accuracy.h"
 #include "romrun/calibrate/calibration.h"
@@ -39,7 +40,7 @@ static int tear_down(void **state) {
     return remove_folder(state);
 }
 
-// ---- the ladder
+// ---- the ladder, which is the list of sizes in the table
 
 static void check_ladder(size_t modes, size_t deformation, size_t rows, const model_sizes *expected,
                          size_t count) {
@@ -55,7 +56,8 @@ static void check_ladder(size_t modes, size_t deformation, size_t rows, const mo
 }
 
 static void the_ladder_goes_from_ten_modes_to_all(void **state) {
-    // modes are 10 sqrt(2)^k, at the end 10 2^(k/4); 50 rows are fewer than twice 28 modes
+    // Numbers of modes are 10 sqrt(2)^k, and near the end 10 2^(k/4). 50 rows are fewer than two
+    // rows for each of 28 modes.
     const model_sizes coupled[] = {{10, 0, 12}, {10, 0, 15}, {10, 0, 20}, {10, 0, 30}, {10, 0, 50},
                                    {14, 0, 17}, {14, 0, 21}, {14, 0, 28}, {14, 0, 42}, {14, 0, 50},
                                    {17, 0, 21}, {17, 0, 26}, {17, 0, 34}, {17, 0, 50}, {20, 0, 24},
@@ -93,7 +95,7 @@ static void every_position_can_be_opened(void **state) {
         }
 }
 
-// ---- statistics and choice
+// ---- statistics of the sizes, and choice of a size
 
 static void quantiles_are_values_of_the_set(void **state) {
     double values[] = {5, 1, 4, 2, 3}, many[100];
@@ -136,7 +138,7 @@ static void the_cheapest_that_is_good_enough(void **state) {
         assert_int_equal(trade_is_dominated(&table, i, false), dominated[i]);
 }
 
-/* Stationary and transient scenes are chosen by their own measurements. */
+/* For stationary and for transient scenes a size is chosen by different measurements. */
 static void in_time_it_may_be_another(void **state) {
     trade_position positions[] = {measured(1e-3, 1, 0), measured(1e-2, 2, 0)};
     const trade_table table = {9, 1, 2, positions, {0}};
@@ -153,7 +155,7 @@ static void in_time_it_may_be_another(void **state) {
     assert_int_equal(trade_cheapest(&table, 1e-2, true), 2);
 }
 
-/* The larger deviation of both films is used. */
+/* The deviation of a size is the larger deviation of the two films. */
 static void the_worse_film_is_the_price(void **state) {
     trade_position position = measured(1e-3, 2, 0);
     (void)state;
@@ -163,8 +165,8 @@ static void the_worse_film_is_the_price(void **state) {
     check_close(trade_price_of(&position, false).deviation, 2e-3, 0, 0);
 }
 
-/* A size with a wrong pressure spike is not chosen. If all sizes have one, the size with the
- * smallest error of the spike is chosen. */
+/* A size is not chosen if the error of its pressure spike exceeds three times the accuracy. If this
+ * holds for all sizes, the size with the smallest error of the spike is chosen. */
 static void pressures_may_be_off_three_times_as_much(void **state) {
     trade_position positions[] = {measured(1e-3, 1, 0), measured(1e-3, 2, 0), measured(1e-3, 3, 0)};
     const trade_table table = {100, 0, 3, positions, {0}};
@@ -220,9 +222,9 @@ static double indicated_with(const double *deviations, const double *bounds, siz
     return trade_indicated(trade_indicator_factor(deviations, bounds, count), shape, bound);
 }
 
-/* The bound is linear, so it is too small for large errors: here the true deviations are up to (1 +
- * 1e3 bound) times the bound. The fit finds this growing factor, so small bounds are not multiplied
- * by the factor of large ones. */
+/* A bound comes from a linear estimate, so it is too small for large errors. Here the true
+ * deviations are up to (1 + 1e3 bound) times the bound. The fit finds this factor, which grows with
+ * the bound. Small bounds are therefore not multiplied by the large factor of large bounds. */
 static void a_factor_grows_with_the_bound(void **state) {
     enum { NUM = 9 };
     double bounds[NUM], deviations[NUM];
@@ -236,14 +238,14 @@ static void a_factor_grows_with_the_bound(void **state) {
         const double found = indicated_with(deviations, bounds, NUM, false, bounds[i]);
         check_close(found, 2 * (1 + 1e3 * bounds[i]) * bounds[i], 1e-5, 0);
     }
-    // above the bounds of the scenes the largest factor is used; infinite and NaN bounds stay so
+    // for bounds above the bounds of all scenes the largest factor is used; infinity and NaN stay
     check_close(indicated_with(deviations, bounds, NUM, false, 1), 2 * 101, 1e-5, 0);
     assert_true(isinf(indicated_with(deviations, bounds, NUM, false, INFINITY)));
     assert_true(isnan(indicated_with(deviations, bounds, NUM, false, NAN)));
 }
 
-/* If ratios do not increase with the bound, the largest ratio is used for all bounds. Without
- * scenes the shape is the default. */
+/* If the ratios of deviation to bound do not increase with the bound, the largest ratio is used for
+ * all bounds. Without scenes the result is the default shape. */
 static void a_factor_may_be_the_same_for_all(void **state) {
     const double bounds[] = {1e-6, 0, 1e-5, INFINITY, 1e-3};
     const double deviations[] = {3e-6, 1, 1e-5, 1, 5e-4};
@@ -256,7 +258,8 @@ static void a_factor_may_be_the_same_for_all(void **state) {
     assert_memory_equal(&none, &plain_shape, sizeof none);
 }
 
-/* An exit that is off by a node, which no bound shows, does not increase all other estimates. */
+/* If an exit is wrong by a node, the deviation is large, but no bound shows this. Because of the
+ * offset, such a scene does not increase the estimates of all other scenes. */
 static void an_offset_takes_what_no_bound_tells(void **state) {
     enum { NUM = 9 };
     double bounds[NUM], deviations[NUM];
@@ -274,8 +277,9 @@ static void an_offset_takes_what_no_bound_tells(void **state) {
     }
 }
 
-/* If the deviations of all scenes of the calibration are at most one offset, estimates still grow
- * with the bound: with first order, or by the largest ratio where this is less. */
+/* All scenes of the calibration have the same small deviation, so an offset alone would cover them.
+ * For larger bounds the estimate must still grow in proportion to the bound. The factor is one, or
+ * the largest ratio of deviation to bound if this is less. */
 static void no_offset_is_a_ceiling(void **state) {
     enum { NUM = 9 };
     double bounds[NUM] = {0}, deviations[NUM] = {0};
@@ -295,7 +299,7 @@ static void no_offset_is_a_ceiling(void **state) {
     }
 }
 
-/* The estimate of every scene exceeds its deviation by the margin, for random bounds. */
+/* With random bounds, the estimate for every scene is at least twice the scene's deviation. */
 static void scenes_are_covered_whatever_the_bound(void **state) {
     enum { NUM = 30 };
     double bounds[NUM], deviations[NUM];
@@ -362,8 +366,8 @@ static void accuracy_goes_by_the_steps_in_time(void **state) {
                         "m.h5: found a calibration without trajectories, expected some");
 }
 
-/* With error estimates, the fastest size is chosen among those whose estimates meet the accuracy on
- * the most trajectories, and on at least half of them. */
+/* If error estimates exist, the chosen size meets the accuracy on as many trajectories as any other
+ * size, and on at least half of all trajectories. Of such sizes the fastest is chosen. */
 static void accuracy_goes_by_the_most_trajectories(void **state) {
     trade_position positions[] = {measured(1e-3, 1, 0), measured(1e-3, 2, 0), measured(1e-3, 3, 0)};
     const trade_table table = {9, 10, 3, positions, {0}};
@@ -374,26 +378,28 @@ static void accuracy_goes_by_the_most_trajectories(void **state) {
         positions[i].sizes = (model_sizes){10 + i, 0, 20 + 2 * i};
         positions[i].factor_in_time = 1;
         positions[i].step_seconds = 1e-4 * (double)(i + 1);
-        // 60, 80 and 80 % of the trajectories meet 1e-3; the rest are lost
+        // Of the three sizes, 60, 80 and 80 % of the trajectories have estimates of at most 1e-3.
+        // The other trajectories have the estimate 1, like lost trajectories (trade.h).
         for (int k = 0; k < NUM_TIME_PARTS; k++)
             positions[i].indicated_in_time[k] = k > (i == 0 ? 1 : 3) ? 1 : 1e-3 / (double)(i + 1);
     }
     assert_int_equal(trade_cheapest(&table, 1e-3, true), 1);
     assert_int_equal(trade_cheapest(&table, 4e-4, true), 2);
-    assert_int_equal(trade_cheapest(&table, 1e-4, true), 3); // no trajectory meets it
+    assert_int_equal(trade_cheapest(&table, 1e-4, true), 3); // no trajectory meets this accuracy
     assert_int_equal(trade_most_accurate(&table, true), 2);
     check_close(trade_part_in_time(&positions[0], 1e-3), 0.6, 0, 0);
     check_ok(accuracy_choose(&choice, &table, 1e-3, true, "m.h5", &error));
     assert_non_null(strstr(choice.note, "films were indicated to be at most so far off: 0.001 on "
                                         "80 % of 10 trajectories, in 0.2 ms a step"));
-    // if no size meets the accuracy, steps are checked one by one
+    // if no size meets the accuracy, the most accurate size is chosen, and each step is checked
     check_ok(accuracy_choose(&choice, &table, 1e-4, true, "m.h5", &error));
     assert_memory_equal(&choice.fastest, &positions[2].sizes, sizeof choice.fastest);
     assert_string_equal(choice.note,
                         "12 pressure modes, 24 rows, the most accurate of 3 sizes: on half of 10 "
                         "trajectories its films were indicated to be at most 0.000333 off, more "
                         "than that; each step is judged by its own");
-    // the order is: fewer lost trajectories, then more accurate ones, then less time
+    // sizes with fewer lost trajectories come first, then sizes with more accurate trajectories,
+    // then faster sizes
     positions[0].num_lost = positions[2].num_lost = 2;
     positions[1].num_lost = 3;
     assert_int_equal(trade_cheapest(&table, 1e-3, true), 2);
@@ -404,7 +410,8 @@ static void accuracy_goes_by_the_most_trajectories(void **state) {
     assert_false(trade_is_dominated(&table, 1, true));
     positions[1].indicated_in_time[0] = 1e-3;
     assert_true(trade_is_dominated(&table, 1, true));
-    // the most accurate size is best over all parts; lost trajectories have the value 1
+    // the most accurate size has the smallest geometric mean of all quantiles of the estimates; a
+    // lost trajectory counts with the estimate 1
     for (int k = 0; k < NUM_TIME_PARTS; k++) {
         positions[1].indicated_in_time[k] = 5e-4;
         positions[2].indicated_in_time[k] = k > 0 ? 1 : 1e-4;
@@ -415,7 +422,8 @@ static void accuracy_goes_by_the_most_trajectories(void **state) {
     assert_int_equal(accuracy_choose(&choice, &table, 1e-3, true, "m.h5", &error), EHD_DATA);
 }
 
-/* The limit in an error message is one that can be requested, whatever its digits. */
+/* If the limit in an error message is requested as the accuracy, it is accepted, in spite of the
+ * rounding of its digits. */
 static void accuracy_names_what_it_can_give(void **state) {
     trade_position position = measured(0, 1, 0);
     const trade_table table = {9, 0, 1, &position, {0}};
@@ -447,7 +455,7 @@ static void a_promise_is_kept_or_the_result_flagged(void **state) {
         {0, 1.01e-3, 1e-3, EHD_OK, EHD_UNTRUSTED, "0.001 of the minimum film, more than the"},
         {INFINITY, 1, 1e-3, EHD_OK, EHD_UNTRUSTED, "inf of the central film"},
         {0, INFINITY, 1e-3, EHD_OK, EHD_UNTRUSTED, "inf of the minimum film"},
-        {NAN, NAN, 1e-3, EHD_OK, EHD_OK, ""}, // not calibrated at these sizes
+        {NAN, NAN, 1e-3, EHD_OK, EHD_OK, ""}, // this size was not calibrated
         {1, 1, 1e-3, EHD_NOT_CONVERGED, EHD_NOT_CONVERGED, ""},
         // without --accuracy
         {0.99e-2, 0.99e-2, 0, EHD_OK, EHD_OK, ""},
@@ -470,7 +478,7 @@ static void a_promise_is_kept_or_the_result_flagged(void **state) {
 
 // ---- measuring
 
-/* Uses full solutions of the training; some of them get other values. */
+/* Compares a model with full solutions of the training, of which some get wrong values. */
 static void a_full_model_deviates_by_what_it_is_told(void **state) {
     const double film = 1.25, pressure = 0.8;
     const size_t num_nodes = training.set.grid.num_nodes;
@@ -610,7 +618,7 @@ static void a_table_comes_back(void **state) {
     assert_int_equal(found.positions[1].num_failures, 7);
     assert_true(isnan(found.positions[1].seconds));
     trade_free(&found);
-    // the file is still a model
+    // the file with the table can still be opened as a model
     check_ok(online_open(&model, calibrated, &(part_sizes){{positions[0].sizes}}, &error));
     assert_int_equal(online_describe(model).rows, 20);
     online_close(model);

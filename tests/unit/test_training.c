@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Points that an earlier run has solved. */
+/* Training points that an earlier run has solved, and that are read again. */
 #include "fullrun/training.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -12,7 +12,7 @@ enum { NUM_POINTS = 3 };
 
 static ehd_error error;
 
-/* A point that appears twice in a file is stored once. */
+/* If a point appears several times in a file, only the last solution is kept in memory. */
 static void a_point_is_kept_once(void **state) {
     (void)state;
     const ehd_contact contact = sample_contact("barus", "dowson-higginson", 12, 4, 0.05);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Results of training on trajectories: compressed snapshots of all steps, and a few states that are
- * kept unchanged. */
+/* Results of training on trajectories: the snapshots of all steps in a compressed form, and a few
+ * states that are kept unchanged. */
 #include "fullrun/full_march.h"
 #include "podbuild/pod.h"
 #include "snapgen/trajectory.h"
@@ -14,7 +14,7 @@
 #include <string.h>
 #include <unistd.h>
 
-// ---- a plan of two trajectories, and one that cannot reach its end
+// ---- plans of trajectories, of which one cannot reach its end
 
 static const char usual_scene[] =
     "contact: line\nregime: transient\ntransport: upwind\nmoes: {M: 20, L: 6}\n"
@@ -22,7 +22,7 @@ static const char usual_scene[] =
     "grid: {x_min: -4, x_max: 2, step: 0.05}\n"
     "transient: {end_time: 1, fixed_step: 0.01, load: {law: sine, amplitude: 0.2, period: 1}}\n";
 
-/* Makes a training set of the scene with several values of one key. */
+/* Makes a training set of the scene. `vary` gives several values for one key. */
 static void make_set(training_set *set, const char *vary) {
     FILE *file = fopen("scene.yml", "w");
     plan given;
@@ -119,8 +119,8 @@ static double energy_outside(const all_steps *steps, const pod_basis *set, size_
     return outside / energy;
 }
 
-/* The compressed snapshots of two trajectories have the same SVD as all their steps in one
- * piece. */
+/* The compressed snapshots of two trajectories have the same SVD as one matrix with all steps of
+ * both trajectories. */
 static void compression_is_the_svd_of_all_steps(void **state) {
     (void)state;
     training_set set;
@@ -144,7 +144,7 @@ static void compression_is_the_svd_of_all_steps(void **state) {
     assert_int_equal(trained.num_steps, steps.count);
     assert_int_equal(trained.num_failed, 0);
     assert_int_equal(trained.second.num_modes, 0);
-    // the compression has fewer rows than snapshots, and no energy is lost
+    // the compressed form has fewer rows than there are snapshots, and no energy is lost
     assert_true(compressed->num_modes < steps.count && compressed->num_modes > 20);
     double energy = compressed->energy, first = whole.singular_values[0];
     assert_true(pod_discarded(compressed) <= 4e-22);
@@ -165,12 +165,12 @@ static void compression_is_the_svd_of_all_steps(void **state) {
     training_set_free(&set);
 }
 
-/* Number and order of threads change no bit. */
+/* The results have the same bits, whatever the number of threads and the order of their work. */
 static void workers_change_no_bit(void **state) {
     (void)state;
     training_set set;
     trajectories one, two;
-    // the first trajectory takes longest, so the others wait for it
+    // the first trajectory takes longest, so the results of the others wait for it
     make_set(&set, "transient.end_time: [1, 0.1, 0.2]");
     train(&one, &set, 1);
     train(&two, &set, 3);
@@ -191,7 +191,8 @@ static void workers_change_no_bit(void **state) {
     training_set_free(&set);
 }
 
-/* On so coarse a grid a trajectory fails. It is counted, and none of its steps is kept. */
+/* With M = 5000 the grid is too coarse, and the trajectory fails. It is counted as failed, and none
+ * of its steps is kept. */
 static void failed_trajectory_leaves_nothing(void **state) {
     (void)state;
     training_set set, alone;
@@ -224,8 +225,8 @@ static ehd_contact reference_contact(void) {
     return contact;
 }
 
-/* Considers a march with given loads and exits, in equal steps to T = 1. Frames are scaled by
- * approximate loads, as with a given approach. */
+/* Passes all steps of a march to kept_states_consider. The march has given loads and exits, and
+ * equal steps to T = 1. Its frames are scaled by approximate loads, as with a given approach. */
 static void consider_all(kept_states *kept, const ehd_contact *reference, size_t count,
                          const double *load, const size_t *exit) {
     for (size_t k = 0; k < count; k++) {
@@ -255,7 +256,7 @@ static void extremes_are_kept(void **state) {
         exit[k] = 50;
     }
     exit[33] = 40;
-    exit[34] = 40; // the first of equal extremes is kept
+    exit[34] = 40; // of equal extremes the first is kept
     exit[77] = 61;
     load[222] = 1; // a sudden change
     assert_int_equal(kept_states_init(&kept, NODES, 1, 1, NULL), EHD_OK);
@@ -284,7 +285,7 @@ static void extremes_are_kept(void **state) {
     kept_states_free(&kept);
 }
 
-/* With fewer steps than places the last state fills the rest. */
+/* If a march has fewer steps than states are to be kept, the last state fills the other places. */
 static void few_steps_fill_all_places(void **state) {
     (void)state;
     ehd_contact reference = reference_contact();

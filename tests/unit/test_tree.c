@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Order of training points: a tree worked by hand, and properties of larger ones. */
+/* The tree of training points and the order of its points: an example that was worked by hand, and
+ * properties of larger trees. */
 #include "common/training/tree.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -10,8 +11,8 @@
 
 enum { NUM_SMALL = 5, NUM_LARGE = 60 };
 
-/* Points at 0, 1, 2, 10 on a line, and a single point of another family. The second point is the
- * easiest. */
+/* Four points at 0, 1, 2 and 10 on a line, and a single point of another family. The second point
+ * is the easiest to solve. */
 static const tree_point small[NUM_SMALL] = {
     {0, {0, 5}, 2}, {0, {1, 5}, 1}, {0, {2, 5}, 3}, {0, {10, 5}, 4}, {1, {1, 5}, 9}};
 
@@ -22,7 +23,7 @@ static void assert_numbers(const size_t *found, const size_t *expected, size_t c
 
 static void test_hand_worked(void **state) {
     const size_t expected_parent[] = {1, NO_PARENT, 1, 2, NO_PARENT};
-    const size_t expected_order[] = {1, 2, 0, 3, 4}; // heights are 1 3 2 1 1
+    const size_t expected_order[] = {1, 2, 0, 3, 4}; // the subtrees have the heights 1 3 2 1 1
     const size_t expected_walk[] = {1, 0, 2, 3, 4};
     size_t parent[NUM_SMALL], order[NUM_SMALL], walk[NUM_SMALL];
     (void)state;
@@ -53,7 +54,7 @@ static void make_large(tree_point points[NUM_LARGE]) {
         points[i] = (tree_point){i % 3, {a, 40 * b}, hypot(a - 0.5, b)};
     }
     points[NUM_LARGE - 2].place[0] = points[NUM_LARGE - 2].place[1] = 0;
-    points[NUM_LARGE - 1].place[0] = 1; // so the ranges are 1 and 40
+    points[NUM_LARGE - 1].place[0] = 1; // so that the coordinates have the ranges 1 and 40
     points[NUM_LARGE - 1].place[1] = 40;
 }
 
@@ -61,8 +62,8 @@ static double length(const tree_point *left, const tree_point *right) {
     return hypot(left->place[0] - right->place[0], (left->place[1] - right->place[1]) / 40);
 }
 
-/* Returns the longest edge of the path through the tree. A spanning tree is minimal if, for each
- * pair of points, this edge is not longer than the direct edge. */
+/* Returns the longest edge on the path through the tree between two points. A spanning tree is
+ * minimal if, for each pair of points, this edge is not longer than their distance. */
 static double longest_edge(const tree_point *points, const size_t *parent, size_t from, size_t to) {
     double longest = 0;
     bool above[NUM_LARGE] = {false};

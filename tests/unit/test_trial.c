@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A reduced model in memory, and its verdicts on contacts between its training points. */
+/* A trial model, which is a reduced model in memory, and its verdicts on contacts between its
+ * training points. A verdict consists of the films and the error bounds. */
 #include "snapgen/trial.h"
 #include "tests/unit/check.h"
 #include "tests/unit/sample.h"
@@ -49,7 +50,7 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* A basis of all solutions reproduces each of them. */
+/* If the basis spans all training solutions, the model reproduces each of these solutions. */
 static void training_points_are_reproduced(void **state) {
     trial_verdict verdicts[TRAINED_STATES];
     bool wanted[TRAINED_STATES];
@@ -95,7 +96,7 @@ static void verdicts_have_the_same_bits_on_more_threads(void **state) {
             assert_true(one[i].bound[FILM_CENTRAL] > 0 && one[i].bound[FILM_MINIMUM] > 0);
 }
 
-/* A contact without a solution has the worst verdict. */
+/* If the model finds no solution for a contact, the error bounds are infinite. */
 static void what_is_not_solved_is_the_worst(void **state) {
     const ehd_contact far = sample_contact("barus", "dowson-higginson", 400, 20, 0.02);
     const bool wanted = true;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Row weights: exact if the selected rows can represent all of them. */
+/* Weights of the selected rows. The weights are exact if the selected rows can represent all
+ * rows. */
 #include "romrun/model/weighting.h"
 #include "tests/unit/check.h"
 
@@ -14,8 +15,9 @@
 
 enum { NUM_MODES = 3, NUM_PAIRS = 12, NUM_NODES = 2 * NUM_PAIRS };
 
-/* Samples orthonormal cosines at some rows. The cosines extend over NUM_PAIRS nodes, and each node
- * occurs twice. `sampled`: [num_rows, NUM_MODES]. Rows k and k + NUM_PAIRS are equal. */
+/* Computes the values of orthonormal cosines at some rows. The cosines extend over NUM_PAIRS nodes,
+ * and each node occurs twice, so rows k and k + NUM_PAIRS are equal. `sampled`: [num_rows,
+ * NUM_MODES]. */
 static void sample_cosines(double *sampled, const size_t *rows, size_t num_rows) {
     for (size_t r = 0; r < num_rows; r++)
         for (size_t j = 0; j < NUM_MODES; j++) {
@@ -38,7 +40,8 @@ static void all_rows_weigh_one(void **state) {
         check_close(factors[r], 1, 1e-6, 0);
 }
 
-/* With one row of each pair of equal rows, sum w q q^T = 1 to the tolerance of the solution. */
+/* With only one row of each pair of equal rows, sum w q q^T = 1 holds to the tolerance of the
+ * solution. */
 static void half_of_the_rows_stand_for_all(void **state) {
     double sampled[NUM_PAIRS * NUM_MODES], factors[NUM_PAIRS];
     size_t rows[NUM_PAIRS];
@@ -58,9 +61,9 @@ static void half_of_the_rows_stand_for_all(void **state) {
         }
 }
 
-/* Rows are crowded on one side, and some rows get the least weight. Gauss-Seidel therefore takes
- * hundreds of sweeps. At the minimum the gradient vanishes for free weights and is not negative for
- * those at the bound. */
+/* The rows lie close together on one side, and some rows get the least allowed weight. Gauss-Seidel
+ * iteration therefore takes hundreds of sweeps. At the minimum the gradient is zero for free
+ * weights, and not negative for weights at the bound. */
 static void weights_are_those_of_the_minimum(void **state) {
     enum { ROWS = 20, MODES = 8 };
     const double tolerance = 1e-4;
@@ -74,7 +77,7 @@ static void weights_are_those_of_the_minimum(void **state) {
     assert_int_equal(weighting_quadrature(factors, sampled[0], ROWS, MODES, NULL), EHD_OK);
     for (size_t r = 0; r < ROWS; r++) {
         double gradient = 0;
-        for (size_t s = 0; s <= ROWS; s++) { // the last one: minus |q_r|^2
+        for (size_t s = 0; s <= ROWS; s++) { // the last term is -|q_r|^2
             double product = 0;
             for (size_t j = 0; j < MODES; j++)
                 product += sampled[r][j] * sampled[s < ROWS ? s : r][j];
@@ -87,8 +90,8 @@ static void weights_are_those_of_the_minimum(void **state) {
     assert_in_range(num_bound, 1, ROWS - 1);
 }
 
-/* Rows (1, 0), (0, 1) and (1, 1): the first two are exact, so the third would get zero weight. The
- * bound keeps it positive. */
+/* The rows are (1, 0), (0, 1) and (1, 1). The first two rows alone are exact, so the third row
+ * would get the weight zero. The bound keeps its weight positive. */
 static void weights_stay_positive(void **state) {
     const double sampled[] = {1, 0, 0, 1, 1, 1};
     double factors[3];

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The same mass on the full model, and how far the reduced one was off. The full model is not in the
- * library: this is built against the sources.
+/* Runs the oscillator with the full model, and prints the deviations of the reduced model. The full
+ * model is not in the library, so this program is built against the sources.
  *
  *     full SCENE.yml MODEL.h5 FULL.csv REDUCED.csv
  *
- * The model is asked for its grid. */
+ * The full model uses the grid of MODEL.h5. */
 #include "common/output/grid_file.h"
 #include "common/settings/scene_contact.h"
 #include "common/time/march.h"
@@ -16,12 +16,13 @@ static int pass(failure *error, ehd_status status, const ehd_error *of) {
     return status ? fail(error, (int)status, "%s", of->text) : 0;
 }
 
-/* The full model has no such interface, but is marched in the same way. */
+/* The full model as a force element. The library has no functions for it, but its steps are made in
+ * the same way. */
 typedef struct full_element {
     march_solver solver;
     const ehd_contact *reference;
-    double time;            // accepted
-    load_forecast forecast; // of the load that scales the frames
+    double time;            // of the last accepted state
+    load_forecast forecast; // predicts the load that scales the frames
     march_step last;
 } full_element;
 
@@ -31,7 +32,7 @@ static contact_frame full_frame(const full_element *self, double load, double ap
         [VARY_LOAD] = load, [VARY_SPEED] = 1, [VARY_RADIUS] = 1, [VARY_MODULUS] = 1};
 
     contact_frame frame = frame_at(self->reference->kind, self->time + step, values, approach);
-    frame.path = frame.time; // of the fluid, at the reference speed
+    frame.path = frame.time; // distance that the fluid has moved, at the reference speed
     return frame;
 }
 

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A lubricated line contact as the force element of somebody else's integrator, by the installed
- * library alone: a mass rests on it and is shaken near its resonance (shaken_mass.h).
+/* Couples a lubricated line contact, as a force element, to the integrator in shaken_mass.h: a mass
+ * on the contact is shaken near its resonance. Of ehdrom only the installed library is needed.
  *
  *     oscillator SCENE.yml MODEL REDUCED.csv */
 #include "shaken_mass.h"
 
 #include <ehdrom.h>
 
-/* The least squares of the reduced model leave 1e-9 of the approach that they are given: the mass is where it said. */
+/* Stores a result in *now. The approach is the given position of the mass, since the least squares
+ * of the reduced model meet a given approach only to 1e-9. */
 static int give(reply *now, ehdrom_status status, double approach, const ehdrom_result *result,
                 const ehdrom_contact *contact, failure *error) {
     const char *text = ehdrom_contact_error(contact);
@@ -22,7 +23,8 @@ static int give(reply *now, ehdrom_status status, double approach, const ehdrom_
     return 0;
 }
 
-/* Where the load leads to, and from there with the approach given, as it is from then on. */
+/* Finds the stationary state under the load, and starts there with the approach given, as in all
+ * later steps. */
 static int reduced_start(reply *now, void *self, failure *error) {
     ehdrom_result result = EHDROM_RESULT_INIT;
     ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT;
@@ -49,7 +51,7 @@ static void reduced_accept(void *self) {
     ehdrom_accept(self);
 }
 
-/* An answer that is not to be trusted is one all the same, but whoever uses it should know. */
+/* Reports the first state of a complete run that is not trusted. */
 static int check_trust(const trace *self, failure *error) {
     for (size_t i = 0; i <= NUM_STEPS; i++)
         if (!self->states[i].trusted)
@@ -57,14 +59,14 @@ static int check_trust(const trace *self, failure *error) {
     return 0;
 }
 
-/* The contact of a scene, in dimensionless units. */
+/* Opens the contact of a scene, in dimensionless units. */
 static int open_contact(ehdrom_contact **contact, const ehdrom_model *model, const char *scene,
                         failure *error) {
     int status = ehdrom_contact_create(contact, model);
 
     if (!status) status = ehdrom_contact_read(*contact, scene);
     if (!status) status = ehdrom_contact_set_units(*contact, EHDROM_DIMENSIONLESS);
-    // forces are wanted: films may be so far off
+    // only the force matters here, so films may be 10 % off
     if (!status) status = ehdrom_contact_set_accuracy(*contact, 0.1);
     return status ? fail(error, status, "%s", ehdrom_contact_error(*contact)) : 0;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A mass on a contact, shaken near its resonance: the integrator of somebody else, who asks a contact
- * for its force. It says where the mass is (the approach H0 of the contact) and solves each of its own
- * steps by trials, all of which the contact takes from its last accepted state. */
+/* Integrates the motion of a mass on a contact, which is shaken near its resonance. The integrator
+ * gives the contact the position of the mass (the approach H0) and gets the force. It solves each
+ * step by several trials, and in each trial the contact starts from its last accepted state. */
 #ifndef SHAKEN_MASS_H
 #define SHAKEN_MASS_H
 
@@ -16,29 +16,29 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* Everything is dimensionless: time T = u t / a, position H0 = h R / a^2 (upwards), force w /
- * w_ref. A mass of m kg per metre then counts as m u^2 / (R w_ref): 0.0138 stands for 24 kg/m with
- * the numbers of scene.yml, a roller of steel of 31 mm radius. Seen from approach_length, the
- * contact gives way by 1.49 a unit of force, so the mass on it would swing with a period of 2 pi
- * sqrt(0.0138 * 1.49) = 0.90. */
+/* All quantities are dimensionless: time T = u t / a, position H0 = h R / a^2 (upwards), force w /
+ * w_ref. A mass of m kg per metre becomes m u^2 / (R w_ref). With the numbers of scene.yml, 0.0138
+ * is 24 kg/m, a steel roller of 31 mm radius. The compliance of the contact, for the approach at
+ * approach_length, is 1.49 per unit of force. The mass on the contact therefore has a natural
+ * period of 2 pi sqrt(0.0138 * 1.49) = 0.90. */
 static const double MASS = 0.0138;
 
-/* Shaken by 0.8 % at a period near its own, the force swings by 7.5 % and beats: inside of the 12 %
- * and of the periods of 1/2 to 2 that were trained. */
+/* The excitation, over the reference force, has a period near the natural period. The force then
+ * oscillates by 7.5 %, with beats. This is inside of the training: 12 %, periods of 1/2 to 2. */
 static const double EXCITATION = 0.008;
 static const double EXCITATION_PERIOD = 1;
 
-/* A hundred a period. */
+/* A hundred steps in each period of the excitation. */
 static const double STEP = 0.01;
 enum { NUM_STEPS = 1200 };
 
-/* Of a position; the film is about 1e-2. */
+/* Tolerance of a position. The film is about 1e-2. */
 static const double TOLERANCE = 1e-8;
 enum { MAX_TRIALS = 20 };
 
-// ---- what goes wrong
+// ---- errors
 
-/* An exit code, 0: nothing, and a line. */
+/* An exit code (0: no error) and a message of one line. */
 typedef struct failure {
     int code;
     char text[1200];
@@ -60,16 +60,16 @@ __attribute__((format(printf, 3, 4))) static int fail(failure *self, int code, c
 
 typedef struct reply {
     bool converged, trusted;
-    char reason[200]; // why it is not both, or ""
+    char reason[200]; // why the state is not converged or not trusted, or ""
     double approach, force, film;
 } reply;
 
-/* What the integrator needs of a contact. All return 0 or fail(). */
+/* The functions of a contact that the integrator calls. start and step return 0 or fail(). */
 typedef struct force_element {
     void *self;
-    /* The stationary state under the reference load. */
+    /* Computes the stationary state under the reference load. */
     int (*start)(reply *now, void *self, failure *error);
-    /* The state a step after the last accepted one, with the mass at `approach`. */
+    /* Computes the state one step after the last accepted state, with the mass at `approach`. */
     int (*step)(reply *now, void *self, double approach, double step, failure *error);
     void (*accept)(void *self);
 } force_element;
@@ -85,8 +85,8 @@ static double acceleration(double force, double time) {
     return (force - 1 - EXCITATION * sin(2 * PI * time / EXCITATION_PERIOD)) / MASS;
 }
 
-/* One step of the trapezoidal rule, x_1 = x_0 + h v_0 + h^2/4 (x''_0 + x''_1): secants for the
- * position whose force leads there. */
+/* Makes one step of the trapezoidal rule, x_1 = x_0 + h v_0 + h^2/4 (x''_0 + x''_1). The secant
+ * method finds the position x_1 whose force satisfies this equation. */
 static int oscillator_advance(oscillator *self, reply *now, size_t *num_trials,
                               const force_element *contact, failure *error) {
     double time = self->time + STEP, position, defect = 0, slope = 1;

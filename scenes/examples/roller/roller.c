@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A roller on a track, by the installed library alone: it carries a slide over the oblique joint of two rails, of which
- * the second is a little higher. The roller is cut into slices, each of which is a lubricated line contact with an
- * approach of its own (slide and roller being stiff, where the slide is and how it is tilted), and pushes back with a
- * force. All of them are solved at once, by some threads, as often as the slide's integrator tries a step.
+/* Simulates a roller that carries a slide over the oblique joint of two rails. The second rail is a
+ * little higher. The roller is divided into slices, and each slice is a lubricated line contact.
+ * Slide and roller are rigid, so height and tilt of the slide give the approach of each slice; the
+ * contact gives the force. Several threads solve all contacts in each trial of a step of the slide.
+ * Of ehdrom only the installed library is needed.
  *
  *     roller SCENE.yml MODEL OUT.csv [THREADS] */
 #include <ehdrom.h>
@@ -18,27 +19,27 @@
 // ---- the machine, SI
 
 enum { NUM_SLICES = 8 };
-static const double LENGTH = 0.02;    // of the roller
-static const double LOAD = 6000;      // on it
-static const double SPEED = 0.8;      // of the slide
-static const double MASS = 2.5;       // of the slide, as far as it rests on this roller
-static const double INERTIA = 7.5e-4; // against tilting about the direction in which it moves
-static const double RAIL_STEP = 1e-6; // the second rail is so much higher,
-static const double RAMP = 0.4e-3;    // which it comes to over this length,
-static const double SKEW = 0.1;       // along a joint that lies at an angle: this is its tangent
-static const double BEFORE = 1.5e-3;  // from where to
-static const double BEHIND = 4.5e-3;  // where, seen from the joint
+static const double LENGTH = 0.02;    // length of the roller
+static const double LOAD = 6000;      // load on the roller
+static const double SPEED = 0.8;      // speed of the slide
+static const double MASS = 2.5;       // mass of the slide that this roller carries
+static const double INERTIA = 7.5e-4; // moment of inertia for tilt about the direction of motion
+static const double RAIL_STEP = 1e-6; // height of the second rail above the first one
+static const double RAMP = 0.4e-3;    // length over which the track rises at the joint
+static const double SKEW = 0.1;       // tangent of the angle of the joint
+static const double BEFORE = 1.5e-3;  // the motion starts at this distance before the joint
+static const double BEHIND = 4.5e-3;  // and ends at this distance behind the joint
 
 // ---- the integrator
 
-static const double POSITION_ERROR = 2e-11; // m, of a step
-static const double FILM_ERROR = 1e-3;      // of the central film, relative
-static const double EQUILIBRIUM = 1e-14;    // m, to which the positions of a step are found
+static const double POSITION_ERROR = 2e-11; // m, allowed error of the positions in a step
+static const double FILM_ERROR = 1e-3;      // allowed relative error of the central film in a step
+static const double EQUILIBRIUM = 1e-14;    // m, tolerance of the positions in the trials of a step
 enum { MAX_TRIALS = 12, MAX_THREADS = 64 };
 
 enum { NOT_CONVERGED = 3, UNTRUSTED = 4, USAGE = 64, CANNOT_CREATE = 73, IO_FAILED = 74 };
 
-/* How far slice k is from the middle. */
+/* Returns the position of slice k along the roller, from its middle. */
 static double place(int k) {
     return LENGTH * ((k + 0.5) / NUM_SLICES - 0.5);
 }
@@ -53,20 +54,21 @@ static double track(double travel, double across) {
 
 typedef struct crew crew;
 
-/* What a thread of its own is told. */
+/* The data of a thread. */
 typedef struct hand {
     crew *of;
     int number;
     pthread_t thread;
 } hand;
 
+/* The contacts, and the threads that solve them. */
 struct crew {
     ehdrom_model *model;
     ehdrom_contact *contacts[NUM_SLICES];
     ehdrom_conditions conditions[NUM_SLICES];
     ehdrom_result results[NUM_SLICES];
     double step;
-    // threads, each of which steps its share of the contacts; this one is number 0
+    // each thread makes the steps of its share of the contacts; thread 0 is the main thread
     int num_threads;
     hand hands[MAX_THREADS];
     ehdrom_status statuses[MAX_THREADS];
@@ -94,7 +96,7 @@ static void *work(void *argument) {
     }
 }
 
-/* A step of all contacts from the last accepted state; the worst of their statuses. */
+/* Makes a step of all contacts from the last accepted state. Returns the worst status. */
 static ehdrom_status step_all(crew *self, double step) {
     ehdrom_status worst = EHDROM_OK;
 
@@ -107,7 +109,7 @@ static ehdrom_status step_all(crew *self, double step) {
     return worst;
 }
 
-/* Prints why, as the contact of the worst status tells it. */
+/* Prints the message of the first contact with this status. Returns the status. */
 static ehdrom_status tell(const crew *self, ehdrom_status status) {
     for (int k = 0; k < NUM_SLICES; k++)
         if (self->results[k].status == status) {
@@ -118,7 +120,8 @@ static ehdrom_status tell(const crew *self, ehdrom_status status) {
     return status;
 }
 
-/* A contact under its share of the load, and from there with the approach given, as it is from then on. */
+/* Finds the stationary state of a contact under its share of the load, and starts there with the
+ * approach given, as in all later steps. */
 static ehdrom_status start_contact(crew *self, int k, const char *scene) {
     ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT;
     ehdrom_contact *contact = self->contacts[k];
@@ -176,15 +179,15 @@ static void close_crew(crew *self) {
 
 // ---- the slide
 
-/* Height above where it rests in the beginning, and tilt. */
+/* Height above the initial position, and tilt. */
 enum { HEIGHT, TILT, NUM_POSITIONS };
 
 typedef struct slide {
-    double time, step, shortest; // s; of the next step, and as far as films ask for short ones
+    double time, step, shortest; // s; length of the next step; least step due to film errors
     double position[NUM_POSITIONS], velocity[NUM_POSITIONS], acceleration[NUM_POSITIONS];
-    double rest; // approach of the contacts in the beginning, m
-    double load; // N, which they carry there: LOAD but for what least squares leave
-    double stiffness[NUM_SLICES]; // N/m^2, of each slice, between its last two trials
+    double rest; // initial approach of the contacts, m
+    double load; // initial force of the contacts, N: LOAD except for the error of the least squares
+    double stiffness[NUM_SLICES]; // N/m^2, of each slice, from its last two trials
     size_t num_steps, num_trials, num_rejected, num_untrusted;
 } slide;
 
@@ -196,7 +199,7 @@ static double force_of(const crew *contacts) {
     return force;
 }
 
-/* What the forces of the slices do. */
+/* Computes the accelerations that the forces of the slices cause. */
 static void accelerate(double acceleration[NUM_POSITIONS], const crew *contacts,
                        const slide *self) {
     double moment = 0;
@@ -207,8 +210,8 @@ static void accelerate(double acceleration[NUM_POSITIONS], const crew *contacts,
     acceleration[TILT] = moment / INERTIA;
 }
 
-/* Where the contacts are when the slide is there, at the end of a step; learns from what it came to by the trial before
- * it. The worst status. */
+/* Solves all contacts for a position of the slide at the end of a step. `learn`: also computes the
+ * stiffness of each slice from this trial and the trial before. Returns the worst status. */
 static ehdrom_status try_there(crew *contacts, slide *self, double step,
                                const double position[NUM_POSITIONS], int learn) {
     double approach[NUM_SLICES], load[NUM_SLICES];
@@ -231,7 +234,7 @@ static ehdrom_status try_there(crew *contacts, slide *self, double step,
     return status;
 }
 
-/* Newton's step for both positions, with the slices as springs. */
+/* Makes a Newton step for height and tilt, with the slices as springs. */
 static void correct(double position[NUM_POSITIONS], const double defect[NUM_POSITIONS],
                     const slide *self, double step) {
     const double part = step * step / 4 * LENGTH / NUM_SLICES;
@@ -248,8 +251,9 @@ static void correct(double position[NUM_POSITIONS], const double defect[NUM_POSI
     position[TILT] -= (a * defect[TILT] - c * defect[HEIGHT]) / (a * d - b * c);
 }
 
-/* A step of the trapezoidal rule, x_1 = x_0 + h v_0 + h^2/4 (a_0 + a_1), all of whose trials start from the state that the
- * contacts accepted last. EHDROM_NOT_CONVERGED: to be tried again, shorter. */
+/* Tries a step of the trapezoidal rule, x_1 = x_0 + h v_0 + h^2/4 (a_0 + a_1). All trials start
+ * from the last accepted state of the contacts. Returns EHDROM_NOT_CONVERGED if a shorter step is
+ * needed. */
 static ehdrom_status try_step(double position[NUM_POSITIONS], double acceleration[NUM_POSITIONS],
                               slide *self, crew *contacts, double step) {
     double drift[NUM_POSITIONS], defect[NUM_POSITIONS];
@@ -271,9 +275,10 @@ static ehdrom_status try_step(double position[NUM_POSITIONS], double acceleratio
     return EHDROM_NOT_CONVERGED;
 }
 
-/* How far the step is above what it may be wrong by: the slide's positions, a third of what they differ from those that
- * were predicted, and the films. What is left of these in steps in which the fluid hardly moves is noise of the grid,
- * which no shorter step takes away. */
+/* Returns the largest estimated error of a step, of positions and films, over the allowed error.
+ * The error of the positions is a third of their difference from the prediction. Steps below
+ * `shortest` do not consider the films: the fluid hardly moves, and the remaining error is noise of
+ * the grid, which a shorter step does not reduce. */
 static double error_of(const crew *contacts, const slide *self,
                        const double acceleration[NUM_POSITIONS], double step) {
     const double off = step * step / 12 *
@@ -292,7 +297,7 @@ static void accept(slide *self, crew *contacts, const double position[NUM_POSITI
 
     for (int k = 0; k < NUM_SLICES; k++)
         trusted = trusted && contacts->results[k].trusted;
-    // before the next call with these contacts, which has another text
+    // now, because the next call with these contacts replaces the message
     if (!trusted && self->num_untrusted++ == 0) tell(contacts, EHDROM_UNTRUSTED);
     for (int k = 0; k < NUM_SLICES; k++)
         ehdrom_accept(contacts->contacts[k]);
@@ -305,7 +310,7 @@ static void accept(slide *self, crew *contacts, const double position[NUM_POSITI
     self->num_steps++;
 }
 
-/* One step, as long as its error allows. */
+/* Makes one step. If its error is too large, tries a shorter one. */
 static ehdrom_status advance(slide *self, crew *contacts) {
     double position[NUM_POSITIONS], acceleration[NUM_POSITIONS] = {0};
 
@@ -324,7 +329,7 @@ static ehdrom_status advance(slide *self, crew *contacts) {
     }
 }
 
-/* At rest; how stiff a contact is there, to begin with. */
+/* Starts at rest. The first stiffness of all slices is that of a contact at rest. */
 static ehdrom_status begin(slide *self, crew *contacts) {
     ehdrom_contact *contact = contacts->contacts[0];
     ehdrom_scales scales = EHDROM_SCALES_INIT;
