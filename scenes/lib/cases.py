@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The cases of cases.csv. Make knows their numbers only; names and settings never reach a shell. Without numpy, since make
-runs this often.
+"""Reads the cases of cases.csv. make uses only the numbers of cases, so that no name and no setting reaches a shell.
+The script does not import numpy, because make runs it often.
 
-    cases.py numbers                   1 2 3 ..., after a check of the table
-    cases.py names [CASE...]           a line each, of these (names or numbers) or of all
-    cases.py run NUMBER COMMAND...     the command with the settings of that case as options behind it
+    cases.py numbers                   checks the table and prints the numbers of the cases: 1 2 3 ...
+    cases.py names [CASE...]           prints the names of the given cases (names or numbers), or of all, one per line
+    cases.py run NUMBER COMMAND...     runs the command with the settings of this case as further options
 """
 import csv
 import inspect
@@ -19,7 +19,7 @@ def stop(message, code=1):
 
 
 def commands(*functions):
-    """Calls the function that the first word of the command line names (- for _) with the other words."""
+    """Calls the function that the first word of the command line names (- for _), with the other words as arguments."""
     known = {function.__name__.replace("_", "-"): function for function in functions}
     name, *words = sys.argv[1:] or [""]
     if name not in known:
@@ -32,7 +32,7 @@ def commands(*functions):
 
 
 def sets(settings):
-    """Options --set KEY=VALUE for a mapping of settings."""
+    """Returns options --set KEY=VALUE for a mapping of settings."""
     return [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
 
 
@@ -45,8 +45,8 @@ def execute(command, settings):
 
 
 class Case:
-    """A line of cases.csv: number (from 1), name, settings (of the scene, key to text), title for a picture, and what was
-    published."""
+    """A case, from a line of cases.csv: number (from 1), name, settings of the scene (key to text), title for pictures,
+    and published values."""
 
     def __init__(self, number, record):
         given = {key: text for key, text in record.items() if text}
@@ -60,7 +60,7 @@ class Case:
 
     @property
     def label(self):
-        """The title for matplotlib, which takes what stands between two $ for a formula."""
+        """The title for matplotlib, with each $ escaped: matplotlib would take a text between two $ as a formula."""
         return self.title.replace("$", r"\$")
 
     @property
@@ -68,17 +68,17 @@ class Case:
         return sets(self.settings)
 
     def file(self, folder, kind):
-        """Its result: kind is full, or the name of a model."""
+        """Returns the name of the result file; kind is `full` or the name of a model."""
         return f"{folder}/{kind}/{self.number}.h5"
 
 
 def _shown(text):
-    """A text on one line, without control characters."""
+    """Returns the text with all control characters and line breaks replaced."""
     return "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in text)
 
 
 def _without_comments(lines):
-    """The lines of a CSV file, without blank lines and comments. Lines within quotes stay."""
+    """Yields the lines of a CSV file without blank lines and comments. Lines inside of quotes are kept."""
     quoted = False
     for line in lines:
         if quoted or (line.strip() and not line.lstrip().startswith("#")):
@@ -87,16 +87,16 @@ def _without_comments(lines):
 
 
 def _separator(header):
-    """Returns a comma if the header has one outside of quotes, else a semicolon or a tab. The programs have the same rule."""
+    """Returns a comma if the header has one outside of quotes, else a semicolon or a tab (as the programs do)."""
     unquoted = "".join(header.split('"')[::2])
     return next((mark for mark in ",;\t" if mark in unquoted), ",")
 
 
 def read_cases(file="cases.csv"):
-    """Cases of a CSV file: a line each under a header of settings of the scene (any keys, such as physical.load), with
-    commas, semicolons or tabs between them. An empty field leaves what the scene says; the column `name`, which there
-    need not be, names the cases; columns title and published_... are no settings; lines that begin with # and empty ones
-    are left out."""
+    """Returns the cases of a CSV file. The header contains settings of the scene (any keys, such as physical.load);
+    each further line is a case. Commas, semicolons or tabs separate the fields. An empty field keeps the setting of the
+    scene. The column `name` is optional. The columns `title` and `published_...` are not settings. Empty lines and
+    lines that begin with # are skipped."""
     try:
         with open(file, newline="", encoding="utf-8-sig") as source:
             lines = list(_without_comments(source))
@@ -114,7 +114,7 @@ def read_cases(file="cases.csv"):
 
 
 def find_cases(wanted, file="cases.csv"):
-    """Finds cases by name or, if no case has that name, by number; in the order of the file."""
+    """Returns the cases with these names, in the order of the file. If no case has a name, it is taken as a number."""
     known = read_cases(file)
     names = {case.name for case in known}
     for word in wanted:

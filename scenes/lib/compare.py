@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Results beside each other.
+"""Compares results.
 
-    compare.py table FOLDER MODEL_FILE      full and reduced results of all cases of cases.csv: reads MODEL_FILE, NAME.h5 or
-                                            .yml, FOLDER/full/NUMBER.h5 and FOLDER/NAME/NUMBER.h5
-    compare.py runs FIRST.csv OTHER.csv...  how far runs of the same program are from the first
+    compare.py table FOLDER MODEL_FILE      compares full and reduced results of all cases of cases.csv; reads the model
+                                            (NAME.h5 or NAME.yml), FOLDER/full/NUMBER.h5 and FOLDER/NAME/NUMBER.h5
+    compare.py runs FIRST.csv OTHER.csv...  prints the deviations of the other runs of a program from the first run
 """
 import os
 
@@ -17,12 +17,12 @@ HEADER = ["case", "status", "iterations_full", "iterations_reduced", "millisecon
 
 
 def effect(label, part):
-    """What inlet or step do to the full model's own central film, where it is more than 1 %."""
+    """Returns the text for an error of the full model's central film due to inlet or step, if it exceeds 1 %."""
     return f"{label} {100 * part:+.0f} %" if part != "" and abs(part) > 0.01 else ""
 
 
 def cells(full, reduced, permille):
-    """The columns of the table behind case and film, of two solutions or of what was published of them."""
+    """Returns the columns of the table after case and film, for full and reduced solutions, computed or published."""
     (H, iterations, seconds), (H_reduced, iterations_reduced, seconds_reduced) = (
         [float(part[name]) for name in ("H_c", "iterations", "seconds")] for part in (full, reduced))
     return [f"{H:.8f}", f"{H_reduced:.8f}", f"{permille:.3f}", f"{iterations:.0f}", f"{iterations_reduced:.0f}",
@@ -30,7 +30,7 @@ def cells(full, reduced, permille):
 
 
 def describe(model):
-    """The sizes of a model, or of those of a list."""
+    """Returns a text with the sizes of a model, or of all models of a list."""
     sizes = [results.model_sizes(file) for file in results.listed_models(model)]
     nodes, unknowns, rows = ("; ".join(str(number) for number in numbers) for numbers in zip(
         *((size["nodes"], size["pressure_modes"] + size["deformation_modes"] + 1, size["rows"]) for size in sizes)))
@@ -41,8 +41,8 @@ def describe(model):
 
 
 def table(folder, file):
-    """Prints the table, below each case the published figures where cases.csv has some, and films in um where a result
-    says what unit they have. Also writes FOLDER/results.csv."""
+    """Prints the table and writes FOLDER/results.csv. If cases.csv has published values of a case, they stand below the
+    case. If a result has the unit of films, the table has films in um."""
     cases = results.read_cases()
     model = os.path.splitext(os.path.basename(file))[0]
     solved = {kind: [results.solution(case.file(folder, kind)) for case in cases] for kind in ("full", model)}
@@ -77,7 +77,7 @@ def table(folder, file):
     published = "" if worst_published is None else f", published {worst_published:.3f}"
     print(f"\n{describe(file)}")
     print(f"H_c: film thickness at the centre.{' The second line of a case: as published.' if published else ''}\n")
-    empty = [i for i in (1, 10) if not any(row and row[i] for row in rows[2:])]  # no column without films or notes
+    empty = [i for i in (1, 10) if not any(row and row[i] for row in rows[2:])]  # empty columns, left out
     longest = max(len(row[-1]) for row in rows if row)
     results.table([row and [cell for i, cell in enumerate([*row[:-1], row[-1].ljust(longest)]) if i not in empty]
                    for row in [*rows, None]])
@@ -89,7 +89,7 @@ def table(folder, file):
 
 
 def runs(first, *others):
-    """Prints the largest deviation of each column."""
+    """Prints the largest deviation of each column from the first file."""
     expected = np.genfromtxt(first, delimiter=",", names=True)
     for path in others:
         found = np.genfromtxt(path, delimiter=",", names=True)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Importing FMUs by the calls of FMI 3.0 themselves, without a package for it: as much as stepping contacts takes.
+"""Imports FMUs with the functions of FMI 3.0, without a package. It has only the functions for stepping contacts.
 
-Trials are repeated by saved states: step() from the last accepted one, accept()."""
+step() always starts from the last accepted state, so a step can be tried several times. accept() accepts it."""
 import ctypes
 import os
 import sys
@@ -11,7 +11,7 @@ import zipfile
 
 real, text, boolean, pointer, reference, size = (ctypes.c_double, ctypes.c_char_p, ctypes.c_bool, ctypes.c_void_p,
                                                  ctypes.c_uint32, ctypes.c_size_t)
-PROTOTYPES = {  # of what is called here, in FMI's order
+PROTOTYPES = {  # of the FMI functions that are called here, with their arguments in order
     "EnterInitializationMode": [pointer, boolean, real, real, boolean, real],
     "ExitInitializationMode": [pointer],
     "GetFloat64": [pointer, ctypes.POINTER(reference), size, ctypes.POINTER(real), size],
@@ -25,11 +25,11 @@ Log = ctypes.CFUNCTYPE(None, pointer, ctypes.c_int, text, text)
 
 
 class Error(Exception):
-    """What the FMU refused; its own words are on stderr."""
+    """The FMU has returned an error. Its message is on stderr."""
 
 
 class FMU:
-    """An unpacked FMU, of which there may be any number of instances."""
+    """An unpacked FMU. It may have any number of instances."""
 
     def __init__(self, path):
         self.folder = tempfile.TemporaryDirectory()
@@ -49,7 +49,7 @@ class FMU:
 
 
 class Instance:
-    """One of them, with a time of its own, s."""
+    """An instance of an FMU. Each instance has its own time, in s."""
 
     def __init__(self, fmu):
         self.fmu, self.now, self.end, self.saved = fmu, 0.0, 0.0, pointer()
@@ -72,7 +72,7 @@ class Instance:
         return list(values)
 
     def get(self, *names):
-        """Their numbers."""
+        """Returns the values of these variables."""
         return self._get("GetFloat64", real, names)
 
     def get_boolean(self, name):
@@ -82,19 +82,19 @@ class Instance:
         self.call("SetFloat64", reference(self.fmu.references[name]), 1, real(value), 1)
 
     def start(self):
-        """At time 0, with the start values."""
+        """Starts at time 0 with the start values of the FMU."""
         self.call("EnterInitializationMode", False, 0, 0, False, 0)
         self.call("ExitInitializationMode")
         self.accept()
 
     def step(self, length, **inputs):
-        """A step from the last accepted state to these inputs."""
+        """Makes a step from the last accepted state. `inputs` are the inputs at the end of the step."""
         if self.end != self.now:
             self.call("SetFMUState", self.saved)
         for name, value in inputs.items():
             self.set(name, value)
         event, terminate, early, last = boolean(), boolean(), boolean(), real()
-        self.end = self.now + length  # also of a step that fails
+        self.end = self.now + length  # also if the step fails, so that the next step restores the saved state
         self.call("DoStep", self.now, length, True, event, terminate, early, last)
 
     def accept(self):

@@ -1,11 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Trains a region, in parts where it is too wide for one model (training.mk):
+# Trains a region. If it is too wide for one model, the script trains it in parts (training.mk):
 #     parts.sh MAKE MAKEFILE PLAN OUT SNAPGEN PARTS ONE_GRID INPUTS [--set KEY=VALUE]...
-# PARTS: empty, as many as the training finds (snapgen --parts); else so many. Leaves OUT/parts.mk with the names of the
-# parts, none for one model, and OUT/parts-grid.txt, the settings of their grid, where they have one. OUT/NAME.yml is the plan
-# of a part, OUT/NAME its folder, OUT/parts.txt the list with ranges of M. Interrupted, it goes on with the parts that are not
-# trained, unless one of the INPUTS (a list without blanks in names) has changed.
+# PARTS is the number of parts; if it is empty, the training finds the number (snapgen --parts). The script writes
+#     OUT/parts.mk            names of the parts; none if there is one model
+#     OUT/parts-grid.txt      settings of the grid, if all parts have the same grid
+#     OUT/parts.txt           list of the parts with their ranges of M
+#     OUT/NAME.yml, OUT/NAME  plan and folder of a part
+# After an interruption it continues with the parts that are not trained, unless one of the INPUTS has changed. INPUTS
+# is a list of files whose names have no blanks.
 set -euo pipefail
 
 make=$1 makefile=$2 plan=$3 out=$4 snapgen=$5 wanted=$6 one_grid=$7 inputs=$8
@@ -13,14 +16,15 @@ shift 8
 settings=("$@")
 list=$out/parts.txt
 found=$out/two-parts.txt
-# of a list of models, as the message has it
+# largest number of models in a list, from the error message of snapgen
 most=$({ "$snapgen" --num-parts 0 2>&1 || true; } | sed -n 's/.* to \([0-9]*\) .*/\1/p')
 if [[ ! $wanted =~ ^([1-9][0-9]?)?$ ]] || ((${wanted:-1} > most)); then
     echo "SPLIT: found $wanted, expected a whole number from 1 to $most, or nothing" >&2
     exit 64
 fi
 
-# train NAME: the region itself where that is empty. Where the training has been left for parts, these take its place.
+# train NAME: trains a part, or the whole region if NAME is empty. If snapgen finds that NAME needs several models, the
+# smaller parts that it writes replace NAME in the list.
 train() {
     local folder=$out${1:+/$1} part=() silent=() more=
     [[ -n $1 ]] && part=(PLAN="$out/$1.yml" PART="$1" PARTS_OF="${names[*]}")
@@ -34,14 +38,14 @@ train() {
     fi
 }
 
-# divide NAME: puts the found parts into the list, in place of that one.
+# divide NAME: replaces the part NAME in the list by the parts that snapgen has written.
 divide() {
     local kind grid
     sed -n '/^[^#]/ s/\.yml / /p' "$found" >"$found.named"
     if [[ -n $1 ]]; then
         sed -e "/^${1//./\\.} /{" -e "r $found.named" -e 'd' -e '}' "$list" >"$list.new"
     else
-        # other contacts than lines have to be on one grid
+        # only line contacts may have different grids
         read -r _ kind grid <"$found"
         [[ $kind == line && -z $one_grid ]] && grid=
         echo "$grid" >"$out/parts-grid.txt"
@@ -52,7 +56,7 @@ divide() {
     read_names
 }
 
-# What make gets are ranges of numbers.
+# Reads the names of the parts. Each name is a range of numbers, so that make and the shell can use it safely.
 read_names() {
     mapfile -t names < <(cut -d ' ' -f 1 "$list")
     [[ ! ${names[*]} =~ [^-+.0-9eM\ ] ]] || { echo "parts.sh: $list: found other names than of ranges of M" >&2; exit 65; }
@@ -73,7 +77,7 @@ k=0
 while ((k < ${#names[@]})); do
     name=${names[k]}
     train "$name"
-    [[ ${names[k]} != "$name" ]] || ((++k)) # else its parts are there now
+    [[ ${names[k]} != "$name" ]] || ((++k)) # otherwise smaller parts have replaced it
 done
 if ((${#names[@]})); then
     echo "  parts      ${#names[@]} of the region, along M: $(awk '{ printf "%s%s to %s", s, $2, $3; s = ", " }' "$list")"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The look of all pictures, each saved as PNG and as SVG, and those that several scenes have (--help).
+"""Draws the pictures that several scenes need (--help), and sets the style of all pictures.
 
-The full model is drawn as lines, the reduced one as marks.
+Each picture is saved as PNG and as SVG. Lines are the full model, marks are the reduced model.
 """
 import argparse
 import os
@@ -16,7 +16,7 @@ from matplotlib import ticker  # noqa: E402
 
 import results  # noqa: E402
 
-# Colours that the colour-blind tell apart (Okabe and Ito), and marks that go with them.
+# Colours that colour-blind people can distinguish (Okabe and Ito), and the marks that are used with them.
 BLUE, RED, GREEN, PINK, ORANGE, SKY = COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"]
 MARKS = ["o", "s", "^", "D", "v", "P"]
 
@@ -29,12 +29,12 @@ plt.rcParams.update({
 
 
 def page(width, height, rows=1, columns=1, **options):
-    """A figure of so many pixels with its axes, as plt.subplots."""
+    """Returns a figure and its axes, like plt.subplots; width and height are in pixels."""
     return plt.subplots(rows, columns, figsize=(width / 100, height / 100), constrained_layout=True, **options)
 
 
 def save(figure, file):
-    """Saves the figure as PNG (the file), of 256 colours, and as SVG beside it."""
+    """Saves the figure as a PNG file with 256 colours, and as an SVG file beside it."""
     figure.savefig(file)
     Image.open(file).convert("RGB").quantize().save(file, optimize=True)
     figure.savefig(os.path.splitext(file)[0] + ".svg", metadata={"Date": None})
@@ -42,15 +42,15 @@ def save(figure, file):
 
 
 def plain_logarithms(axis):
-    """Ticks of a logarithmic axis at 1, 2 and 5 of each decade, in plain numbers."""
+    """Sets the ticks of a logarithmic axis: 1, 2 and 5 in each decade, without exponents."""
     axis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5)))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(ticker.NullFormatter())
 
 
 def pair(axes, full, reduced, every=25, colour=BLUE, mark="o", label=""):
-    """Two curves of the same, each as x, y: the full model as a line, the reduced one as marks, every so many (or as
-    markevery of matplotlib)."""
+    """Draws two curves of one quantity, each given as x, y: the full model as a line, the reduced model as marks.
+    `every` is the number of points from mark to mark (or any markevery of matplotlib)."""
     axes.plot(*full, color=colour, label=f"{label}full model")
     axes.plot(*reduced, mark, color=colour, fillstyle="none", markevery=every, label=f"{label}reduced model")
 
@@ -59,8 +59,8 @@ def pair(axes, full, reduced, every=25, colour=BLUE, mark="o", label=""):
 
 
 def profiles(picture, folder, model, cases, x=(-2, 1.5), film=None, step=24):
-    """Pressure above, film below, of some cases (the first three); the range of X, of the film (or any), and nodes from
-    one mark to the next."""
+    """Draws pressure (above) and film (below) of some cases, by default of the first three. x and film are the ranges
+    of the axes (film None: automatic), step is the number of nodes between marks."""
     figure, (pressure_axes, film_axes) = page(980, 900, 2, sharex=True)
     for i, case in enumerate(results.find_cases(cases) if cases else results.read_cases()[:3]):
         for kind, style in ("full", "-"), (model, MARKS[i % 6]):
@@ -84,9 +84,9 @@ QUANTITIES = {"pressure": "pressure $p/p_H$", "film_thickness": "film thickness 
 
 
 def maps(picture, files, title=None, case=None, times=(), width=1200):
-    """Full model above, reduced below (files; of a case the folder of its results and the model): pressure and film, or the
-    film at some times; white: the exit line. The film is told apart from its smallest to 2.5 times that, in the first
-    panel of the full model."""
+    """Draws maps of pressure and film, or of the film at some times: the full model above, the reduced model below.
+    `files` are both results or, with a case, the folder of the results and the model. The white line is the exit line.
+    The colours of the film range from its smallest value in the first panel of the full model to 2.5 times as much."""
     if case:
         drawn, (folder, model) = results.find_cases([case])[0], files
         title, files = drawn.label, [drawn.file(folder, kind) for kind in ("full", model)]
@@ -129,7 +129,7 @@ def maps(picture, files, title=None, case=None, times=(), width=1200):
 
 
 def in_time(file):
-    """Times, load, and in SI units central pressure, central and smallest film of a result."""
+    """Returns times and load of a result, and in SI units central pressure, central film and smallest film."""
     columns = results.printed(file, "time", "load", "central_pressure", "central_film_thickness",
                               "minimum_film_thickness", "hertz_pressure", "film_unit")
     time, load, pressure, centre, smallest, pressure_unit, film_unit = columns.values()
@@ -137,7 +137,7 @@ def in_time(file):
 
 
 def scene_in_time(picture, files):
-    """Load, central pressure and film over time, of the full and of the reduced model (files)."""
+    """Draws load, central pressure and film over time; files: results of the full and of the reduced model."""
     (T, load, pressure, centre, smallest), reduced = map(in_time, files)
     figure, (load_axes, pressure_axes, film_axes) = page(1000, 1000, 3, sharex=True)
     pair(load_axes, (T, load), (reduced[0], reduced[1]))
@@ -156,8 +156,9 @@ def scene_in_time(picture, files):
 
 
 def runs(picture, files, over, panels, title):
-    """Columns of one table, or of those of the full and of the reduced model (files), over a first one. That, and each of the
-    panels, is a column, a factor and a label, and of a panel the range if it is given."""
+    """Draws columns of a table against the column `over`; files: one table, or the tables of the full and of the
+    reduced model. `over` and each panel consist of a column, a factor and a label. A panel may also have the range of
+    its axis."""
     tables = [np.genfromtxt(file, delimiter=",", names=True) for file in files]
     name, factor, label = over
     x = [float(factor) * table[name] for table in tables]

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# From a plan to reduced models (training.mk, which see for PLAN, ACCURACY and more), and from the cases of cases.csv,
-# where there are any, to a table and pictures. It may be used as it is:
+# Trains reduced models on a plan (training.mk describes PLAN, ACCURACY and other variables). If the folder contains
+# cases.csv, it also solves the cases of this table, and makes a table and pictures. This file can be used directly:
 #     make -f …/pipeline.mk PLAN=region.yml ACCURACY=1e-3
-# A Makefile that includes this may set before:
-#   PROFILES        cases (names as in `make list`, or numbers) whose pressure and film are drawn: the first three
-#   PROFILE_RANGES  options for that picture: --x FROM TO, --film LOWEST HIGHEST, --step NODES between marks
-#   MAP_CASE        of a point contact: the case that is drawn as a map
-#   REPEAT          times that a reduced solution is repeated for its median time: 21
+# A Makefile may set these variables before it includes this file:
+#   PROFILES        cases whose pressure and film are drawn: names (`make list`) or numbers; default: the first three
+#   PROFILE_RANGES  options of this picture: --x FROM TO, --film LOWEST HIGHEST, --step NODES between marks
+#   MAP_CASE        for a point contact: the case that is drawn as a map
+#   REPEAT          number of repetitions of a reduced solution, of which the median time is taken; default: 21
 
 include $(or $(wildcard $(dir $(lastword $(MAKEFILE_LIST)))training.mk),$(error $(lastword $(MAKEFILE_LIST)): found blanks in its path, expected none))
 
@@ -14,7 +14,7 @@ ifneq ($(wildcard cases.csv),)
 
 REPEAT ?= 21
 
-# CASES, their numbers.
+# cases.mk sets CASES to the numbers of the cases.
 $(OUT)/cases.mk: cases.csv $(SHARED)cases.py
 	@numbers=$$($(cases) numbers) && echo "CASES := $$numbers" > $@
 include $(OUT)/cases.mk
@@ -30,7 +30,7 @@ demo: names $(OUT)/comparison.txt $(OUT)/profiles.png \
 list: ## names of the cases
 	@$(cases) names
 
-# Those of the pictures are looked up before the training.
+# The cases of the pictures are looked up before the training, so that a wrong name is reported at once.
 drawn = $(foreach case,$(PROFILES) $(MAP_CASE),$(call quoted,$(case)))
 names:
 	@$(cases) names $(drawn) >/dev/null
@@ -40,9 +40,9 @@ names:
 
 # ---- Cases: $(OUT)/full/NUMBER.h5, $(OUT)/MODEL/NUMBER.h5
 
-# A case that did not converge (exit code 3) or lies outside of the trained range (4) has a result too,
-# and the tables show it. Full solutions are on the grid of the training, of a part that of its reduced solution, to be
-# compared on the same.
+# A case that did not converge (exit code 3) or lies outside of the trained range (4) has a result too, and the tables
+# show it. The full model uses the grid of the reduced model, so that both solutions can be compared: the grid of the
+# training or, if the region has parts, the grid of the reduced solution.
 grid_file = $(if $(REGION_PARTS),$(OUT)/$(MODEL)/$(notdir $*).h5,$(firstword $(SNAPSHOTS)))
 with_case = $(cases) run $(notdir $*) $(BIN)/$1
 outcome   = >/dev/null || [ $$? -eq 3 -o $$? -eq 4 ]
@@ -61,7 +61,7 @@ $(foreach model,$(MODELS),$(CASES:%=$(OUT)/$(model)/%.h5)): $(OUT)/%.h5: scene.y
 
 CASE_RESULTS := $(foreach kind,full $(MODEL),$(CASES:%=$(OUT)/$(kind)/%.h5))
 
-# Also $(OUT)/results.csv.
+# This rule also writes $(OUT)/results.csv.
 $(OUT)/comparison.txt: $(SHARED)compare.py cases.csv $(call model_file,$(MODEL)) $(CASE_RESULTS)
 	@$(python) $< table $(OUT) $(call model_file,$(MODEL)) > $@
 

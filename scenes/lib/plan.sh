@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Tells make about a plan without any name in it (training.mk):
+# Gives make the information that it needs about a plan, but none of the names in the plan (training.mk):
 #     plan.sh PLAN STAMP
-# Prints `region` and `histories` if the plan, or the plan that it is a part of, has these keys. Sets the time of STAMP to that
-# of the newest file that the training reads: these plans, the scenes that they name, and tables in the present folder.
+# Prints `region` and `histories` if the plan, or the plan of which it is a part, has these keys. Sets the time of STAMP
+# to that of the newest file that the training reads: these plans, their scenes, and the tables in the current folder.
 set -u
 
 plan=$1 stamp=$2
 
-# texts KEY FILE: the values of a key in a plan, file names with or without the quotes of YAML, each ended by a NUL.
+# texts KEY FILE: prints the values of a key in a plan. They are file names, with or without the quotes of YAML. A NUL
+# ends each of them.
 texts() {
     local key=$1 line pattern
     pattern="^[^#]*$key:[[:space:]]*(\"(([^\"\\]|\\\\.)*)\"|'(([^']|'')*)'|([^][,{}\"'[:space:]#]([^],{}#]|[^[:space:]]#)*))"
@@ -22,7 +23,7 @@ texts() {
     done <"$2"
 }
 
-# beside FILE NAME: sets `path` to the path of a name that is relative to the file's folder.
+# beside FILE NAME: sets `path` to the path of NAME, which is relative to the folder of FILE.
 beside() {
     path=$2
     [[ $1 != */* || $2 == /* ]] || path=${1%/*}/$2

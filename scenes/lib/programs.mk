@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Programs of a scene's own in C and Python. Included behind common.mk (in studies) or training.mk. A Makefile may set before:
-#   LIBRARY_PROGRAMS  names: each NAME.c becomes $(OUT)/NAME on the library as others see it
-#   VARIED            one of these: NAME.py does the same on the Python package (make python), and on FMUs
-#   VARIED_RUN        the table that VARIED writes, with a rule for it
-#   FMU_SET           settings of the scene whose contact becomes an FMU, with the approach given
-# Every other NAME.c may become $(OUT)/NAME on the sources, with the library that was built with the programs.
+# Builds and runs a scene's own programs in C and Python. Include this file after common.mk (in studies) or training.mk.
+# A Makefile may set these variables before:
+#   LIBRARY_PROGRAMS  names of programs: NAME.c is compiled to $(OUT)/NAME with the public header and the shared library
+#   VARIED            one of these names: NAME.py does the same with the Python package (make python), and with FMUs
+#   VARIED_RUN        the table that the C program VARIED writes; the Makefile has a rule for this table
+#   FMU_SET           settings of the scene from which the FMU is made; its approach is an input
+# Any other NAME.c can be compiled to $(OUT)/NAME against the sources and the library that was built with the programs.
 
 # ---- On the library
 
-# What was built, or installed, with the programs.
+# The folder with the library that was built, or installed, together with the programs.
 BESIDE      := $(BIN)/..
 use_library  = $(shell PKG_CONFIG_PATH=$(BESIDE)/lib/pkgconfig pkg-config --define-prefix --cflags --libs ehdrom)
 own_headers := $(foreach name,$(wildcard *.h),$(if $(call unsafe_name,$(name)),,$(name)))
@@ -19,7 +20,7 @@ $(LIBRARY_PROGRAMS:%=$(OUT)/%): $(OUT)/%: %.c $(own_headers) $(BESIDE)/lib/libeh
 	    -Xlinker -rpath -Xlinker "$$(realpath $(BESIDE)/lib)" -lm
 endif
 
-# ---- The same in Python
+# ---- The same program in Python
 
 ifneq ($(VARIED),)
 
@@ -28,7 +29,7 @@ variants: $(OUT)/variants.txt ## the same on the library in Python (make python)
 
 .PHONY: variants
 
-# The package and its library where `make python` puts them, else where Python finds it.
+# Python takes the package from the folder of `make python`, otherwise from its usual folders.
 $(OUT)/python.csv: $(VARIED).py scene.yml $(OUT)/$(MODEL).h5
 	$(call quiet,python    ,$@)PYTHONPATH="$$(realpath -m $(BESIDE)/python):$$PYTHONPATH" $(PYTHON) -B $^ $@ $(ends_well)
 
@@ -38,7 +39,7 @@ $(OUT)/contact.fmu: scene.yml $(OUT)/$(MODEL).h5 $(BIN)/romrun
 $(OUT)/fmu.csv: $(VARIED).py scene.yml $(OUT)/contact.fmu $(SHARED)fmu.py
 	$(call quiet,python    ,$@)$(python) $(wordlist 1,3,$^) $@ $(ends_well)
 
-# Exit code 4: not to be trusted, as the program that they are compared with.
+# Exit code 4 (results that are not trusted) is accepted, since the C program may end with it too.
 ends_well = || [ $$? -eq 4 ]
 
 $(OUT)/variants.txt: $(SHARED)compare.py $(VARIED_RUN) $(OUT)/python.csv $(OUT)/fmu.csv
@@ -48,13 +49,13 @@ endif
 
 # ---- On the sources
 
-# The library that was built with the programs, and the compiler and flags that it was built with.
+# The library that was built with the programs. `ask` gets the compiler and the flags of this build.
 ROOT    := $(BIN)/../../..
 VARIANT := $(shell basename "$$(realpath $(BIN)/..)")
 LIB     := $(BIN)/../libprograms.a
 ask      = $(shell $(MAKE) -s -C $(ROOT) VARIANT=$(call quoted,$(VARIANT)) print-$1 | sed 's/^[^=]*= //')
 
-# Includes start from the root.
+# The compiler runs in the root of the sources, where the paths of #include start.
 $(OUT)/%: %.c $(LIB)
 	$(call quiet,CC        ,$@)made=$$(realpath $@) && source=$$(realpath $<) && library=$$(realpath $(LIB)) && cd -P $(ROOT) && \
 	    $(call ask,CC) $(call ask,ALL_CPPFLAGS) $(call ask,ALL_CFLAGS) $(call ask,ALL_LDFLAGS) -o "$$made" "$$source" \

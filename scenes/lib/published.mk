@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Tables and figure 3 as published, of the stationary line contact in both regions. Included behind pipeline.mk.
+# Makes the tables and figure 3 of the paper for the stationary line contact in both regions. Include this file after
+# pipeline.mk.
 
 figures: $(OUT)/tables.txt $(OUT)/profiles.png \
          $(if $(FIGURE3_CASE),$(OUT)/figure3.png) ## tables and figures as published
@@ -12,7 +13,7 @@ $(OUT)/tables.txt: $(SHARED)published.py cases.csv $(MODELS:%=$(OUT)/%.h5) \
                    $(foreach kind,full $(MODELS),$(CASES:%=$(OUT)/$(kind)/%.h5))
 	$(call quiet,tables    ,$@)$(python) $< tables $(OUT) '$(PUBLISHED_SIZES)' $(MODELS) > $@
 
-# ---- Figure 3: each point is a model of its own
+# ---- Figure 3: each point is a separate model
 
 FIGURE3_POINTS := $(FIGURE3_PRESSURE_MODES:%=coupled-%-0) \
                   $(FIGURE3_PRESSURE_MODES:%=independent-%-$(lastword $(FIGURE3_FIXED))) \

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables 2 to 4 and figure 3 as published, of the stationary line contact in both regions (published.mk).
+"""Makes tables 2 to 4 and figure 3 of the paper, for the stationary line contact in both regions (published.mk).
 
-    published.py tables FOLDER 'SIZES' MODEL...      SIZES: of the published model, as results.model_sizes
+    published.py tables FOLDER 'SIZES' MODEL...      SIZES: sizes of the published model, in the order of model_sizes
     published.py point FOLDER KIND-PRESSURE-DEFORMATION CASE [--set KEY=VALUE...]
     published.py figure3 PICTURE CASE PRESSURE DEFORMATION 'SIZES' POINT.txt...
 """
@@ -13,13 +13,13 @@ import results
 
 
 def published(case, kind):
-    """What was published of a case's full or reduced solution, as results.solution; nothing of some cases."""
+    """Returns published values of the full or reduced solution of a case, like results.solution; some have none."""
     return {name: float(case.published[f"{name}_{kind}"]) for name in ("H_c", "iterations", "seconds")
             if f"{name}_{kind}" in case.published}
 
 
 def tables(folder, sizes, *models):
-    """Prints sizes, iterations, times and films of the full and of all reduced models, beside the published ones."""
+    """Prints sizes, iterations, times and films of the full and of all reduced models, beside the published values."""
     cases = results.read_cases()
     full, *reduced = [[results.solution(case.file(folder, kind)) for case in cases]
                       for kind in ("full", *models)]
@@ -35,7 +35,7 @@ def tables(folder, sizes, *models):
     results.table(rows)
 
     def table(heading, number, form, factor=1, below=None, last=()):
-        """A table with a line for each case, below it another one, and a last one."""
+        """Prints a table with a line for each case, an optional second line below it, and an optional last line."""
         print(f"\n{heading}\n")
         rows = [["", "M", "L", "GPa", "full", "published", *models, "published"], None]
         for i, case in enumerate(cases):
@@ -67,8 +67,8 @@ def tables(folder, sizes, *models):
 
 
 def point(folder, name, case, *settings):
-    """One point of figure 3, a model of these sizes. Prints KIND PRESSURE_MODES DEFORMATION_MODES ROWS STATUS PERMILLE;
-    the status of a model that does not converge is 1."""
+    """Makes a model of the given sizes for one point of figure 3. Prints KIND PRESSURE_MODES DEFORMATION_MODES ROWS
+    STATUS PERMILLE; STATUS is 1 if the model does not converge."""
     kind, pressure, deformation = name.split("-")
     rows = 2 * (int(pressure) + int(deformation) + 1)
     case, = results.find_cases([case])
@@ -87,7 +87,7 @@ def point(folder, name, case, *settings):
 
 
 def figure3(picture, name, fixed_pressure, fixed_deformation, sizes, *files):
-    """Deviation of the central film against the sizes of the bases, one of which stays while the other one varies."""
+    """Draws the deviation of the central film against the size of one basis; the size of the other basis is fixed."""
     import pictures
     lines = [open(file).read().split() for file in files]
     points = sorted((line[0], *map(float, line[1:])) for line in lines)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the scripts of the scenes share: runs of the programs, their results, cases.csv, and tables of text.
+"""Functions that the scripts of all scenes use: they run the programs, read results and cases.csv, and print tables.
 
-The folder of the programs is the environment variable BIN (common.mk). Results are read by --print.
+The environment variable BIN is the folder of the programs (common.mk). Results are read with --print.
 """
 import csv
 import io
@@ -16,7 +16,7 @@ import numpy as np
 
 from cases import commands, execute, find_cases, read_cases, sets, stop  # noqa: F401, for scripts too
 
-# Exit codes of the programs that leave a result: solved; not converged; not to be trusted.
+# Exit codes of programs that have written a result: solved; not converged; not trusted.
 SOLVED, NOT_CONVERGED, NOT_TRUSTED = 0, 3, 4
 
 
@@ -24,8 +24,8 @@ SOLVED, NOT_CONVERGED, NOT_TRUSTED = 0, 3, 4
 
 
 def run(program, *options, outcomes=(SOLVED, NOT_CONVERGED, NOT_TRUSTED)):
-    """Runs a program of the toolchain, or one by its path. Returns its completed process (returncode, stdout, stderr as text);
-    ends the script with the program's own message where the exit code is not among the outcomes."""
+    """Runs a program of the toolchain, or a program with a path. Returns the completed process (returncode, and stdout
+    and stderr as text). For an exit code outside of `outcomes`, prints the program's message and ends the script."""
     file = program if "/" in program else os.path.join(os.environ["BIN"], program)
     try:
         done = subprocess.run([file, *map(str, options)], capture_output=True, text=True)
@@ -41,8 +41,8 @@ def run(program, *options, outcomes=(SOLVED, NOT_CONVERGED, NOT_TRUSTED)):
 
 
 def printed(file, *names):
-    """Datasets, axes and attributes of a file: for each name an array along the lines of --print, numbers where all are
-    numbers, else text. None of the names may lack."""
+    """Returns datasets, axes and attributes of a file: for each name an array with an entry for each line of --print.
+    An array has numbers if all of its entries are numbers, otherwise texts. All names have to exist in the file."""
     text = run("fullrun", "--print", file, *names, outcomes=(SOLVED,)).stdout
     lines = [line for line in csv.reader(io.StringIO(text)) if line]
     columns = dict(zip(lines[0], zip(*lines[1:]) if len(lines) > 1 else [()] * len(lines[0])))
@@ -57,16 +57,16 @@ def _array(texts):
 
 
 def value(file, name, default=np.nan):
-    """A single number of a file, or the default where there is none of that name."""
+    """Returns a single number of a file, or the default if the file has no number of this name."""
     done = run("fullrun", "--print", file, name, outcomes=range(256))
     lines = done.stdout.split()
     return float(lines[1]) if done.returncode == SOLVED and len(lines) > 1 else default
 
 
 def model_sizes(file):
-    """Sizes of a model: nodes, pressure_modes, deformation_modes (0 if coupled), rows, needed_nodes, states."""
+    """Returns sizes of a model: nodes, pressure_modes, deformation_modes (0 if coupled), rows, needed_nodes, states."""
     listed = list(csv.reader(io.StringIO(run("romrun", "--print", file, outcomes=(SOLVED,)).stdout)))
-    length = {line[0]: int(line[2]) for line in listed if len(line) > 3 and line[0] == line[3]}  # of the axes
+    length = {line[0]: int(line[2]) for line in listed if len(line) > 3 and line[0] == line[3]}  # lines of axes
     independent = any(line and line[0] == "elasticity_jacobian" for line in listed)
     return {"nodes": length["x"] * length.get("y", 1), "pressure_modes": length["pressure_mode"],
             "deformation_modes": length["deformation_mode"] if independent else 0, "rows": length["row"],
@@ -74,7 +74,7 @@ def model_sizes(file):
 
 
 def listed_models(file):
-    """The models that a list of models names (schemas/models.md), or the one model."""
+    """Returns the files of all models of a list (schemas/models.md), or the file itself if it is one model."""
     if not file.endswith((".yml", ".yaml")):
         return [file]
     with open(file) as source:
@@ -85,11 +85,11 @@ def listed_models(file):
 
 
 def planned_scenes(model):
-    """The scenes (mappings of settings) of the plan that a model was calibrated on, also those that the plan's conditions
-    leave out. The model's text names the settings of the first one, then what changes from one to the next
-    (schemas/plan.md)."""
+    """Returns the scenes (mappings of settings) of the plan on which a model was calibrated, including scenes that the
+    conditions of the plan exclude. The model contains the settings of the first scene as text, and for each further
+    scene the settings that differ from the scene before (schemas/plan.md)."""
     text = printed(model, "settings")["settings"][0].partition("# calibrated on")[2]
-    scenes, scene = [], {"discretization": "published"}  # of models that name none
+    scenes, scene = [], {"discretization": "published"}  # if the model names no discretisation
     for point in text.split("# point")[1:]:
         lines = (line.partition(":") for line in point.splitlines()[1:] if line and not line.startswith("#"))
         scene = {**scene, **{key: value.strip() for key, _, value in lines}}
@@ -98,8 +98,8 @@ def planned_scenes(model):
 
 
 def reduced_film(file, model, *size):
-    """Exit code and central film (None where there is none) of romrun with a scene; options, such as the size. A film
-    that is only indicated to be far off counts as solved."""
+    """Runs romrun with a scene; `size` are options, such as the size of the model. Returns exit code and central film
+    (None if there is none). The exit code is SOLVED if romrun flags the result only for its estimated error."""
     done = run("romrun", file, "--model", model, "--quiet", *size)
     film = re.search(r"^central film thickness *(\S+)", done.stdout, re.M)
     code = SOLVED if "found an indicated deviation" in done.stderr else done.returncode
@@ -107,7 +107,7 @@ def reduced_film(file, model, *size):
 
 
 def solution(file):
-    """The numbers of a stationary solution: status, iterations, seconds, H_c and H_min (central and smallest film)."""
+    """Returns numbers of a stationary solution: status, iterations, seconds, H_c and H_min (smallest film)."""
     names = {"status": "status", "iterations": "newton_iterations", "seconds": "solve_seconds",
              "H_c": "central_film_thickness", "H_min": "minimum_film_thickness"}
     columns = printed(file, *names.values())
@@ -115,7 +115,8 @@ def solution(file):
 
 
 def of_time(columns, time=None):
-    """Of printed() columns the lines of one time, or of the last; all of them where there is one only."""
+    """Selects the lines of one time from the columns of printed(); by default the last time. A file without times is
+    returned as a whole."""
     if "time" not in columns:
         return columns
     times = columns["time"]
@@ -126,15 +127,15 @@ def of_time(columns, time=None):
 
 
 def profile(file, time=None):
-    """X, P and H of a time (the last); of a point contact on the line Y = 0."""
+    """Returns X, P and H at a time, by default the last; for a point contact on the line Y = 0."""
     columns = of_time(printed(file, "x", "pressure", "film_thickness"), time)
     keep = columns.get("y", np.zeros(len(columns["x"]))) == 0
     return [columns[name][keep] for name in ("x", "pressure", "film_thickness")]
 
 
 def farthest_exits(columns):
-    """Of printed() columns with exit_position the lines of the exit that lies farthest downstream, the first one: of
-    an entrainment that reverses a result has several, of others one."""
+    """Selects the lines of the exit that lies farthest downstream from the columns of printed() with exit_position.
+    This is the first exit. A result has several exits only if the entrainment reverses."""
     keep = columns.get("exit", np.zeros(len(columns["exit_position"]))) == 0
     return {name: values[keep] for name, values in columns.items()}
 
@@ -143,9 +144,9 @@ def farthest_exits(columns):
 
 
 def read_trajectory(file):
-    """A transient result, also of a run that stopped early, as attributes: code (exit code of the run); steps;
-    rejected, newton and seconds, NaN of a run that stopped early; and over time: time, load, P_c, H_c, H_min (factors
-    and numbers of the reference frame)."""
+    """Returns a transient result as attributes: code (exit code of the run), steps, rejected, newton and seconds; over
+    time: time, load (a factor), and P_c, H_c, H_min in the reference frame. The run may have stopped early; rejected,
+    newton and seconds are then NaN."""
     columns = printed(file, "time", "load", "central_pressure", "central_film_thickness", "minimum_film_thickness",
                       "status")
     early = value(file, "complete") == 0
@@ -158,8 +159,9 @@ def read_trajectory(file):
 
 
 def trajectory(result, program, *options):
-    """Runs a transient scene (the first of the options) into a result, RESULT.partial of a run that stops early.
-    Returns read_trajectory with message (on stderr, mostly none) and formulas (words of each line of --formulas)."""
+    """Runs a transient scene (the first of the options) and writes a result; if the run stops early, this is
+    RESULT.partial. Returns read_trajectory with two more attributes: message (text on stderr, usually empty) and
+    formulas (the words of each line of --formulas)."""
     done = run(program, *options, "-o", result, "--force", "--quiet")
     found = read_trajectory(f"{result}.partial" if done.returncode == NOT_CONVERGED else result)
     found.code, found.message = done.returncode, done.stderr.strip()
@@ -168,12 +170,14 @@ def trajectory(result, program, *options):
 
 
 def deviations(reference, other, column):
-    """Relative deviations of a column of a trajectory at its times from another one's, NaN where that has none."""
+    """Returns the relative deviations of a column of the trajectory `other` from `reference`, at the times of `other`;
+    NaN at times that the reference does not have."""
     return getattr(other, column) / at_times(reference.time, getattr(reference, column), other.time) - 1
 
 
 def at_times(times, values, wanted):
-    """Values at other times, by the cubic through four times around (exact at the times themselves); NaN outside."""
+    """Interpolates values at the wanted times, by the cubic through the four times around; NaN outside. At the given
+    times the interpolation is exact."""
     if len(times) < 4:
         return np.full(len(wanted), np.nan)
     wanted = np.asarray(wanted, dtype=float)
@@ -200,15 +204,16 @@ def write_csv(file, header, rows):
 
 
 def write_changed(file, text):
-    """Writes a text where it is another one than the file's, lest make takes what follows from it for old."""
+    """Writes a text to a file if the file has another text. Otherwise the file keeps its time, so that make does not
+    repeat the work that depends on it."""
     if not os.path.exists(file) or open(file).read() != text:
         with open(file, "w") as target:
             target.write(text)
 
 
 def kept(file, compute, *sources):
-    """What compute() returned when the file was written with it as JSON, where that is newer than the sources; else it
-    is computed and written now. An interrupted study so goes on where it was."""
+    """Returns the result of compute(). If the file is newer than the sources, the result is read from this file (JSON).
+    Otherwise it is computed and written to the file. So an interrupted study continues where it was."""
     if not os.path.exists(file) or any(os.path.getmtime(file) < os.path.getmtime(source) for source in sources):
         found = compute()
         with open(f"{file}.new", "w") as target:
@@ -223,7 +228,8 @@ def rule(width):
 
 
 def table(rows, left=1):
-    """Prints rows of cells in columns as wide as they need, the first so many to the left; None: a line across."""
+    """Prints rows of cells in columns of the required width. The first `left` columns are aligned left, the others
+    right. A row None is a horizontal line."""
     texts = [row if row is None else [str(cell) for cell in row] for row in rows]
     widths = [max(map(len, column)) for column in zip(*(row for row in texts if row))]
     for row in texts:
@@ -233,6 +239,6 @@ def table(rows, left=1):
 
 
 def read_csv(file):
-    """Lines of a CSV file under a header, each a dictionary of texts."""
+    """Returns the lines of a CSV file below its header, each as a dictionary of texts."""
     with open(file, newline="") as source:
         return list(csv.DictReader(source))

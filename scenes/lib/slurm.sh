@@ -1,18 +1,21 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Runs the targets of training.mk as jobs of Slurm: an array of the pieces of the training, and for each model a job of
-# its basis behind that and one of its rows behind the basis. What a job does is what make does without Slurm. Where points
-# are chosen round by round each round is an array of PIECES, and a job behind it that judges and chooses the next one.
+# Runs the targets of training.mk as jobs of Slurm. An array of tasks solves the pieces of the training. For each model
+# one job then computes the basis, and a further job selects the rows. A job runs make with the rules that apply without
+# Slurm. If points are chosen round by round, each round is an array of PIECES tasks, and a job after it evaluates the
+# round and chooses the points of the next round.
 #
-#     slurm.sh run    FOLDER MAKE MAKEFILE SNAPSHOTS OUT MODELS [OPTION...]   submits what is missing and waits for it
-#     slurm.sh rounds FOLDER MAKE MAKEFILE PIECES OUT MODELS [OPTION...]      the same, with rounds
-#     slurm.sh status FOLDER SNAPGEN                              the state of each task of the last call
-#     slurm.sh task   ...                                         what a job runs
+#     slurm.sh run    FOLDER MAKE MAKEFILE SNAPSHOTS OUT MODELS [OPTION...]   submits jobs for missing files and waits
+#     slurm.sh rounds FOLDER MAKE MAKEFILE PIECES OUT MODELS [OPTION...]      the same, round by round
+#     slurm.sh status FOLDER SNAPGEN                              prints the state of each task of the last call
+#     slurm.sh task   ...                                         the command of a job
 #
-# FOLDER gets `jobs` (job, name, target) and for each task NAME.log and NAME.state (its state, exit code, seconds of
-# processor), of rounds those of the last one; and `spent`, the seconds of all that ended. OPTION: more options of sbatch.
-# SNAPSHOTS and MODELS are lists in one argument, PIECES is a number.
-# SNAPGEN: the program.
+# SNAPSHOTS and MODELS are lists in one argument, PIECES is a number, SNAPGEN is the path of the program, and OPTION are
+# further options of sbatch. The script writes to FOLDER
+#     jobs        job, name and target of each task
+#     NAME.log    log of a task
+#     NAME.state  state, exit code and processor time (s) of a task; of rounds only the last one
+#     spent       processor time (s) of all tasks that have ended
 set -u
 
 fail() {
@@ -20,7 +23,8 @@ fail() {
     exit 1
 }
 
-# ---- in a job: task FOLDER NAME MAKEFLAGS MAKE MAKEFILE TARGET..., NAME-k and the k-th target in an array
+# ---- in a job: task FOLDER NAME MAKEFLAGS MAKE MAKEFILE TARGET...
+# Task k of an array has the name NAME-k and makes the k-th target.
 
 task() {
     local folder=$1 name=$2 flags=$3 make=$4 makefile=$5 code=0 state='done' spent
@@ -43,7 +47,7 @@ task() {
 
 # ---- submission
 
-# submit NAME LOG MORE_OPTIONS... -- TARGET...: the job's number in `job`.
+# submit NAME LOG MORE_OPTIONS... -- TARGET...: submits a job and sets `job` to its number.
 submit() {
     local name=$1 log=$2 more=()
     shift 2
@@ -58,7 +62,7 @@ submit() {
     job=${job%%;*}
 }
 
-# submit_array NAME TARGET...: an array with a task for each target.
+# submit_array NAME TARGET...: submits an array with a task for each target.
 submit_array() {
     local name=$1 number=0 target
     shift
@@ -66,18 +70,18 @@ submit_array() {
     for target; do echo "$job $name-$((++number)) $target" >>"$folder/jobs"; done
 }
 
-# submit_one NAME AFTER TARGET: behind that job, where there is one.
+# submit_one NAME AFTER TARGET: submits a job that starts when the job AFTER has ended, or at once if AFTER is empty.
 submit_one() {
     submit "$1" "$1" ${2:+--dependency="afterok:$2"} -- "$3"
     echo "$job $1 $3" >>"$folder/jobs"
 }
 
-# What the last call left, but for its logs.
+# Deletes the files of the last call, except the logs.
 forget_jobs() { rm -f "$folder"/*.state "$folder/jobs"; }
 
 tell_jobs() { echo "  slurm      ${1-}jobs $(cut -d ' ' -f 1 "$folder/jobs" | uniq | tr '\n' ' ')in $folder; make slurm-status" >&2; }
 
-# submit_models AFTER
+# submit_models AFTER: submits the two jobs of each model.
 submit_models() {
     local model
     for model in $models; do
@@ -86,7 +90,8 @@ submit_models() {
     done
 }
 
-# submit_round OPEN: pieces of so many points that are to be solved, none where nothing is known of them; and the choice.
+# submit_round OPEN: submits an array of pieces, which solve the OPEN points, and the job `choice`, which chooses the
+# next points. In the first round no points are known: OPEN is 0 and there is no array.
 submit_round() {
     local number=$(($1 < num_pieces ? $1 : num_pieces)) k targets=()
     for ((k = 1; k <= number; k++)); do targets+=("$out/piece-$k-of-$number.h5"); done
@@ -98,10 +103,10 @@ submit_round() {
 
 # ---- waiting
 
-# Lines "job task state reason" of all jobs of the user; fails where Slurm does not answer.
+# Prints a line "job task state reason" for each job of the user. Fails if Slurm does not answer.
 queue() { squeue --noheader --array --user="$(id -un)" --format='%F %K %T %r'; }
 
-# Whether a job of the last call is on.
+# Returns whether a job of the last call is still in the queue.
 is_on() {
     local now
     [[ -e $folder/jobs ]] || return 1
@@ -119,7 +124,7 @@ wait_for_jobs() {
     trap - INT
 }
 
-# One line for each task that failed, with the last line of its log.
+# Prints one line for each failed task, with the last line of its log.
 report_failures() {
     local name state code rest
     while read -r _ name _; do
@@ -131,14 +136,14 @@ report_failures() {
     done <"$folder/jobs"
 }
 
-# The last line that is not make's.
+# Prints the last line of a log that is not from make.
 cause() { grep -v '^make' "$1" | tail -n 1; }
 
-# begin FOLDER MAKE MAKEFILE LIST OUT MODELS OPTION...: waits for the jobs of an earlier call.
+# begin FOLDER MAKE MAKEFILE LIST OUT MODELS OPTION...: sets the variables and waits for the jobs of an earlier call.
 begin() {
     folder=$1 make=$2 makefile=$3 out=$5 models=$6
     options=("${@:7}")
-    # of make's flags only the variables: the others are of this call
+    # the jobs get the variables among make's flags; the other flags are only for this call
     flags=
     [[ " $MAKEFLAGS" != *' -- '* ]] || flags="-- ${MAKEFLAGS#*-- }"
     mkdir -p "$folder" || exit
@@ -172,7 +177,7 @@ rounds() {
     end
 }
 
-# The first choice takes over what earlier calls have solved, or begins.
+# The first job `choice` continues the training of an earlier call, or starts a new one.
 train_in_rounds() {
     local open=0
     until is_made "$out/snapshots.h5"; do
@@ -180,13 +185,13 @@ train_in_rounds() {
         ((open == 0)) || tell_jobs "$open points, "
         wait_for_jobs
         [[ $(cat "$folder/choice.state" 2>/dev/null) == 'done '* ]] || lost
-        # without the seconds, which are of the choice alone
+        # the seconds are left out, since they are only those of the job `choice`
         sed -n 's/^snapgen: \(round .*\), [0-9.]* s$/  slurm      \1/p' "$folder/choice.log" | tail -n 1 >&2
         open=$(count_open "$out/snapshots.h5.partial")
     done
 }
 
-# Points that are chosen and not solved.
+# Prints the number of points that are chosen but not yet solved.
 count_open() { [[ ! -e $1 ]] || "$SNAPGEN" --print "$1" status | awk 'NR > 1 && $1 < 0 { n++ } END { print n + 0 }'; }
 
 end() { are_made || lost; }
@@ -196,7 +201,7 @@ lost() {
     fail "$folder: found a training that did not end, expected all of it; the same command goes on with it"
 }
 
-# is_made TARGET...
+# is_made TARGET...: returns whether all targets are up to date.
 is_made() { MAKEFLAGS=$flags "$make" -f "$makefile" SLURM= SPLIT=1 --question "$@" >/dev/null 2>&1; }
 
 are_made() {
@@ -226,7 +231,7 @@ status() {
             snapshots-* | piece-*) points=$(count_points "$snapgen" "$target") ;;
             choice) points=$(count_points "$snapgen" "${folder%/*}/snapshots.h5") ;;
         esac
-        # by its last line of progress, of all stages
+        # remaining time, from the last line of progress in the log
         left=
         [[ $state != running* ]] || left=$(grep -o 'stage [0-9]* of [0-9]*.*' "$folder/$name.log" 2>/dev/null | tail -n 1)
         printf '%-10s %-20s %-28s %-14s %s\n' "$job" "$name" "$state" "$points" "$folder/$name.log${left:+  $left}"

@@ -1,29 +1,31 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Deviation against time of all that a user could do, on the scenes that a model was calibrated on:
+"""Measures error and time of all alternatives, on the scenes on which a model was calibrated:
 
-    trade.py measure OUT REGIME STRETCHES TOLERANCES STEPS TRUTH REPEAT    leaves OUT/trade.csv, of stationary scenes
-                                                                           also polish.csv, .txt; lists as in trade.mk
+    trade.py measure OUT REGIME STRETCHES TOLERANCES STEPS TRUTH REPEAT    writes OUT/trade.csv, for stationary scenes
+                                                                           also polish.csv and polish.txt; trade.mk
+                                                                           describes the lists
     trade.py draw OUT REGIME WIDTH                                         draws OUT/trade.png, .svg
 
-A way is a tuple, which also names the file of OUT/trade that its films are kept in:
+A *way* is a method of solution with its settings. It is a tuple, which also gives the name of the file in OUT/trade
+with its films:
 
     (cold | neighbour | reduced, STRETCH, TOLERANCE)     full model with STRETCH times the scene's step, started cold,
                                                          from the scene before, or from the reduced model's solution
-    (published,)                                         full model with rows and grid of scene.yml, where it asks for
-                                                         published ones
-    (truth, LONGER, STRETCH)                             full model with so many times the inlet and the scene's step
-    (model, MODES, DEFORMATION_MODES, ROWS)              reduced model of a size; deformation modes 0: coupled basis
-    (full, STRETCH, STEPS)                               in time; STEPS is a tolerance, fixedLENGTH, or stillN: all goes
-                                                         10^4 times as slowly in N steps, so that the contact is
-                                                         stationary at each time (not where a history is a table)
-    (published, STEPS)                                   in time, full model with published rows on the scene's grid
-    (reduced, MODES, DEFORMATION_MODES, ROWS, STEPS)     in time
-    (truth, STRETCH, fixedLENGTH)                        in time, full model with films along their paths, not smoothed
+    (published,)                                         full model with the published discretisation and the grid of
+                                                         scene.yml, if scene.yml has this discretisation
+    (truth, LONGER, STRETCH)                             full model; factors on inlet length and step of the scene
+    (model, MODES, DEFORMATION_MODES, ROWS)              reduced model of this size; deformation modes 0: coupled basis
+    (full, STRETCH, STEPS)                               transient; STEPS is a tolerance, fixedLENGTH, or stillN: the
+                                                         histories are 10^4 times as slow, in N steps, so that the
+                                                         contact is stationary at each time (no tables as histories)
+    (published, STEPS)                                   transient, full model, published discretisation, scene's grid
+    (reduced, MODES, DEFORMATION_MODES, ROWS, STEPS)     transient
+    (truth, STRETCH, fixedLENGTH)                        transient, full model, transport along the path, no smoothing
 
-Films are kept, not deviations: any way can be the reference that the others are compared with. There are two: the full
-model on the scene's grid, and the truth. Of stationary scenes that is extrapolated from two finer steps, times what a
-longer inlet makes of the film on the scene's step; in time it is the solution with finer steps of grid and time, of the
-same inlet.
+The files contain films, not deviations, so that any way can be the reference. There are two references: the full model
+on the scene's grid, and the converged solution (`truth`). For stationary scenes the converged solution is extrapolated
+from two finer steps, and multiplied by the effect of a longer inlet on the film with the scene's step. For transient
+scenes it is the solution with a finer grid and shorter time steps, with the same inlet.
 """
 import glob
 import os
@@ -38,15 +40,16 @@ from pictures import BLUE, GREEN, ORANGE, PINK, RED, SKY
 
 HEADER = ("alternative,position,quantity,scenes,failures,worst,deviation_95,median,seconds,"
           "true_worst,true_95,true_median").split(",")
-FINEST = "1e-10"  # Newton's tolerance where no other is asked for
-SLOWER = 1e4      # times as slowly where each time is taken as stationary
-PUBLISHED = "1e-4"  # the default tolerance in time of published rows
+FINEST = "1e-10"  # default of the Newton tolerance here
+SLOWER = 1e4      # factor by which histories are slower if each time is taken as stationary
+PUBLISHED = "1e-4"  # default tolerance of time steps with the published discretisation
 
 # ---- Scenes
 
 
 def calibrated_scenes(model, regime):
-    """Scenes of a regime that a model was calibrated on, as mappings of settings, without those that ways choose."""
+    """Returns the scenes of a regime on which a model was calibrated, as mappings of settings. Settings that a way
+    chooses are left out."""
     scenes = [{key: value for key, value in scene.items() if key != "transient.fixed_step"}
               for scene in results.planned_scenes(model)]
     scenes = [scene for scene in scenes if scene["regime"] == regime]
@@ -59,7 +62,7 @@ def calibrated_scenes(model, regime):
 
 
 def write_scenes(folder, scenes):
-    """Files FOLDER/scene-001.yml, ... and no others of that kind; returns their names."""
+    """Writes FOLDER/scene-001.yml, ... and deletes other files with such names. Returns the names."""
     for old in glob.glob(f"{folder}/scene-*.yml"):
         os.remove(old)
     files = [f"{folder}/scene-{i + 1:03}.yml" for i in range(len(scenes))]
@@ -69,23 +72,23 @@ def write_scenes(folder, scenes):
 
 
 def calibrated_sizes(model):
-    """Sizes that a model was calibrated with: pressure modes, deformation modes, rows."""
+    """Returns the model sizes that the calibration measured: pressure modes, deformation modes, rows."""
     names = ["position_pressure_modes", "position_deformation_modes", "position_rows"]
     return [tuple(map(int, size)) for size in zip(*results.printed(model, *names).values())]
 
 
-# ---- Measurements: a record a scene
+# ---- Measurements: one record for each scene
 
 
 def stretched(scene, stretch, longer=1):
-    """Settings of a grid of so many times the step, on a domain so many times as long and wide: behind a point contact
-    too, since far from its middle the exit line goes back with the domain."""
+    """Returns the settings of a grid with a multiple of the step, on a domain that is larger by the factor `longer`.
+    It also grows downstream, because the exit line of a point contact lies farther back far from its middle."""
     times = {"grid.step": stretch, "grid.x_min": longer, "grid.x_max": longer, "grid.y_max": longer}
     return {key: f"{factor * float(scene[key]):.12g}" for key, factor in times.items() if key in scene and factor != 1}
 
 
 def stationary_films(way, scenes, files, model, repeat, work):
-    """Solves stationary scenes. The record of one has its film and time, formulas, and what the grid does to it."""
+    """Solves stationary scenes. A record has films and time of a scene, film formulas, and errors of the grid."""
     start, stretch, tolerance = way
     common = ["--repeat", repeat, "--force", "--quiet"]
     records, before = [], None
@@ -96,7 +99,7 @@ def stationary_films(way, scenes, files, model, repeat, work):
             done = results.run("romrun", file, "--model", model, "-o", guess, "--set", "output.fields=true", *common)
             record["start"] = results.solution(guess)
             before = None if done.returncode == results.NOT_CONVERGED else guess
-        result = f"{work}/{i % 2}.h5"  # not the one that it starts from
+        result = f"{work}/{i % 2}.h5"  # another file than that of the start
         done = results.run("fullrun", file, "-o", result, "--allow-untrusted", "--tolerance", tolerance, "--formulas", *common,
                            *results.sets(stretched(scene, stretch)), *(["--start", before] if before else []))
         record.update(results.solution(result))
@@ -104,7 +107,7 @@ def stationary_films(way, scenes, files, model, repeat, work):
         if solved:
             words = [line.split() for line in done.stdout.splitlines() if line.startswith("formula ")]
             record["formulas"] = [(word[1], word[2], float(word[3]), 1e-9 * float(word[6])) for word in words]
-            if start == "cold":  # these can be the reference
+            if start == "cold":  # cold starts can be the reference
                 record["effects"] = {name: results.value(result, f"{name}_effect") for name in ("step", "inlet")}
         before = result if solved and start == "neighbour" else None
         records.append(record)
@@ -133,7 +136,7 @@ def truth_films(way, scenes, files, work):
 
 
 def model_films(way, files, model):
-    """Solves stationary scenes with a size of the reduced model. The record of one has its central film, if it has."""
+    """Solves stationary scenes with a size of the reduced model. A record has the central film, or is empty."""
     modes, more, rows = way[1:]
     size = ["--pressure-modes", modes, "--rows", rows, *(["--deformation-modes", more] if more else [])]
     records = []
@@ -144,16 +147,16 @@ def model_films(way, files, model):
 
 
 def truths(own, wide, coarse, fine, ratio):
-    """The truth of each scene by its films on four grids, empty where one has no solution. Steps, of which the coarse one
-    is so many times the fine one, are extrapolated as of second order."""
+    """Returns the converged films of each scene, from its films on four grids; empty if a grid has no solution. The
+    films with the coarse and the fine step are extrapolated with second order; `ratio` is the ratio of both steps."""
     return [{film: (d[film] + (d[film] - c[film]) / (ratio**2 - 1)) * b[film] / a[film] for film in ("H_c", "H_min")}
             if {a["status"], b["status"], c["status"], d["status"]} == {0} else {}
             for a, b, c, d in zip(own, wide, coarse, fine)]
 
 
 def transient_films(way, scenes, files, model, repeat, work):
-    """Runs trajectories, of the reduced model repeatedly. The record of one has its exit code, times, films, the least
-    seconds, and the deviations of formulas."""
+    """Runs trajectories; those of the reduced model are repeated. A record has the exit code, times and films of a
+    trajectory, the seconds of the fastest run, and the deviations of film formulas."""
     steps = way[-1]
     records = []
     for scene, file in zip(scenes, files):
@@ -163,7 +166,7 @@ def transient_films(way, scenes, files, model, repeat, work):
             settings.update((key, slower * float(value)) for key, value in scene.items()
                             if re.fullmatch(r"transient\.(.*\.)?(period|start|duration|at|end_time)", key))
             settings["transient.fixed_step"] = settings["transient.end_time"] / int(steps[len("still"):])
-            settings["transport"] = "upwind"  # paths would be hundreds of contacts long
+            settings["transport"] = "upwind"  # in such a long time step the fluid would move by hundreds of half widths
         elif steps.startswith("fixed"):
             settings["transient.fixed_step"] = steps[len("fixed"):]
         else:
@@ -190,7 +193,8 @@ def transient_films(way, scenes, files, model, repeat, work):
 
 
 def measured(folder, way, films, newer_than):
-    """Records of a way: what lies in the folder where it is newer than these files, else films(way, work)."""
+    """Returns the records of a way: from its file in the folder, if it is newer than the files `newer_than`, otherwise
+    from films(way, work)."""
     name = "-".join(f"{part:g}" if isinstance(part, float) else str(part) for part in way)
 
     def measure_now():
@@ -204,7 +208,7 @@ def measured(folder, way, films, newer_than):
 
 
 def quantiles(values, weights=None):
-    """The largest value, and what it does not exceed for 95 % and for half of the weight (nearest rank)."""
+    """Returns the largest value, the 95 % quantile and the median of weighted values (nearest rank)."""
     if not len(values):
         return np.full(3, np.nan)
     order = np.argsort(values)
@@ -213,19 +217,19 @@ def quantiles(values, weights=None):
 
 
 def row(name, count, failures, deviations, seconds=np.nan, true=3 * [np.nan]):
-    """A row of trade.csv; name: alternative, position, quantity. What the grid itself does has no time."""
+    """Returns a row of trade.csv; name: alternative, position, quantity. Rows for errors of the grid have no time."""
     return [*name, count, failures, *("" if np.isnan(x) else f"{x:.4g}" for x in (*deviations, seconds, *true))]
 
 
 def distances(films, truth, film="H_c"):
-    """How far films (scene: value) are from the truth (quantiles)."""
+    """Returns the quantiles of the errors of films (scene: value) against the converged solution."""
     return quantiles([abs(value / truth[i][film] - 1) for i, value in films.items() if truth[i]])
 
 
 def stationary_rows(ways, reference, truth):
-    """Rows of the full model in all ways, and of formulas, compared with one of them and with the truth. Deviations
-    are over scenes, of the smallest film where a formula is for that, else of the central one; seconds are the scenes'
-    median."""
+    """Yields rows for all ways of the full model and for film formulas, compared with one way and with the converged
+    solution. Deviations are quantiles over the scenes: of the smallest film for formulas of this film, otherwise of the
+    central film. Seconds are the median over the scenes."""
     known = {i: record for i, record in enumerate(ways[reference]) if record["status"] != 1}
     formulas, effects = {}, {}
     for i, record in known.items():
@@ -233,7 +237,7 @@ def stationary_rows(ways, reference, truth):
             off = abs(film / record["H_min" if quantity == "minimum" else "H_c"] - 1)
             formulas.setdefault((name, quantity), []).append((off, seconds, i, film))
         for name, effect in record.get("effects", {}).items():
-            if not np.isnan(effect):  # none where twice the step has no solution
+            if not np.isnan(effect):  # NaN if twice the step has no solution
                 effects.setdefault(name, []).append(abs(effect))
     for name, found in formulas.items():
         off, seconds, scenes, films = zip(*found)
@@ -242,7 +246,7 @@ def stationary_rows(ways, reference, truth):
     for way, records in ways.items():
         solved = {i: record for i, record in enumerate(records) if record["status"] != 1}
         off = [abs(record["H_c"] / known[i]["H_c"] - 1) for i, record in solved.items() if i in known]
-        # a start from the reduced model costs its solution too
+        # if the start is a reduced solution, its time is added
         seconds = [record["seconds"] + record.get("start", {}).get("seconds", 0) for record in solved.values()]
         failures = len(records) - len(solved)
         name = f"full {way[0]}" if way[0] in ("cold", "published") else f"full from {way[0]}"
@@ -258,8 +262,9 @@ def size_name(modes, more, rows):
 
 
 def calibration_rows(model, films, truth):
-    """Rows of the sizes of a model, as its calibration found them against the full model on the same scenes, and how
-    far their films (records of sizes that solve all scenes) are from the truth."""
+    """Yields rows for the sizes of a model: the deviations from the full model that the calibration found on the same
+    scenes, and the errors of the films against the converged solution. `films` has records of sizes that solve all
+    scenes."""
     failures, seconds = results.printed(model, "position_failures", "position_seconds").values()
     off = results.printed(model, "deviation_central_film_thickness")["deviation_central_film_thickness"].reshape(-1, 3)
     scenes = int(results.value(model, "calibration_scenes"))
@@ -270,8 +275,9 @@ def calibration_rows(model, films, truth):
 
 
 def transient_rows(ways, reference, truth):
-    """Rows of all ways in time, and of formulas, compared with one of the ways and with the truth. Deviations are the
-    largest of all trajectories, seconds those of a whole trajectory, their mean. Formulas are compared at each time."""
+    """Yields rows for all transient ways and for film formulas, compared with one way and with the converged solution.
+    Deviations are the largest of all trajectories. Seconds are for a whole trajectory, as the mean of all trajectories.
+    Formulas are compared at each time."""
     formulas = {way: {} for way in (reference, truth)}
     for way, found in formulas.items():
         for record in ways[way]:
@@ -292,8 +298,8 @@ def transient_rows(ways, reference, truth):
 
 
 def compared(records, references):
-    """Deviations over time (quantiles), and seconds, of the trajectories that reached their end: how far they are off is
-    measured, whether they say so or not."""
+    """Returns quantiles of the deviations over time, and seconds, of the trajectories that reached their end. Flagged
+    trajectories are included."""
     off, seconds = [], []
     for record, reference in zip(records, references):
         if record["code"] in (results.SOLVED, results.NOT_TRUSTED):
@@ -311,7 +317,8 @@ def worst(off):
 
 
 def polish(cold, started, out):
-    """Cold starts of the full model against starts from the reduced solution: polish.csv a scene, polish.txt in all."""
+    """Compares cold starts of the full model with starts from the reduced solution. polish.csv has a line for each
+    scene, polish.txt a summary."""
     kinds = {"cold": cold, "reduced": [record["start"] for record in started], "polish": started}
     solved = [i for i in range(len(cold)) if all(records[i]["status"] != 1 for records in kinds.values())]
     if not solved:
@@ -356,11 +363,11 @@ def measure(out, regime, stretches, tolerances, steps, truth, repeat):
         fixed = [x for x in steps if x.startswith("fixed")]
         ways = [("full", 1, x) for x in steps] + [("published", x) for x in (PUBLISHED, *fixed[:1])]
         ways += [("full", stretch, x) for stretch in stretches for x in steps[1:3]]
-        # every size with the default steps, the whole model with all that trajectories have
+        # every size with the default steps, the whole model with all kinds of steps
         sizes = calibrated_sizes(model)
         ways += [("reduced", *size, steps[1]) for size in sizes]
         ways += [("reduced", *sizes[-1], x) for x in steps if x != steps[1] and not x.startswith("still")]
-        # the truth, and with twice its steps, which tells its own error
+        # the converged solution, and a solution with twice its steps, which shows the error of the first
         stretch, length = (float(x) for x in truth.split())
         ways += [("truth", times * stretch, f"fixed{times * length:.12g}") for times in (2, 1)]
 
@@ -395,8 +402,8 @@ def measure(out, regime, stretches, tolerances, steps, truth, repeat):
 
 # ---- The picture
 
-# Label, mark (hollow in brackets), colour, and which rows of trade.csv: the first pattern that matches alternative and
-# position, behind "failing" where some scenes have no result.
+# Label, mark (in brackets: hollow), colour, and a pattern. A row of trade.csv belongs to the first series whose pattern
+# matches "ALTERNATIVE POSITION", or "failing ALTERNATIVE POSITION" if some scenes have no result.
 SERIES = {
     "stationary": [
         ("film formulas", "o", "black", "formula"),
@@ -424,7 +431,7 @@ GREY = "#444444"
 
 
 def draw(out, regime, width):
-    """The picture of trade.csv: deviations from the full model, and beside them those from the truth."""
+    """Draws trade.csv: deviations from the full model (left) and from the converged solution (right)."""
     lines = [{**line, **{key: float(line[key] or "nan") for key in HEADER[3:]}}
              for line in results.read_csv(f"{out}/trade.csv")]
     figure, (panels,) = pictures.page(float(width), 0.6 * float(width), 1, 2, squeeze=False)
@@ -443,8 +450,8 @@ def draw(out, regime, width):
 
 
 def panel(axes, lines, regime, lowest=None):
-    """Deviation of the central film against time, from the worst scene (mark) down to the median (end of the bar), what
-    deviates less as the lowest. Without that deviations are from the full model, which is drawn at it."""
+    """Draws the deviation of the central film against time, with a bar from the worst scene (mark) to the median.
+    Smaller deviations are drawn at `lowest`. Without `lowest` they are from the full model, drawn at the bottom."""
     stationary, of_model = regime == "stationary", lowest is None
     lowest = lowest or (1e-9 if stationary else 1e-5)
     shown = {series: [] for series in SERIES[regime]}
@@ -465,7 +472,7 @@ def panel(axes, lines, regime, lowest=None):
     def note(text, place, height, above):
         axes.annotate(text, (place, height), xycoords=("axes fraction", "data"), va="bottom" if above else "top",
                       color=GREY)
-    # what the grid does itself, and in time the steps of the reference
+    # the error of the reference itself: due to its grid and, in a transient run, due to its time steps
     if of_model:
         line = next(line for line in lines if line["alternative"] == ("full cold" if stationary else "full"))
         for key, style in zip(("true_worst", "true_median"), ("--", ":")):
@@ -481,7 +488,7 @@ def panel(axes, lines, regime, lowest=None):
              xlabel="time of a solution / s" if stationary else "time of a trajectory / s",
              ylabel="deviation of $H_c$: worst (mark), median (end of the bar)")
     for axis in axes.xaxis, axes.yaxis:
-        axis.get_major_locator().set_params(numticks=12)  # every decade
+        axis.get_major_locator().set_params(numticks=12)  # a tick for every decade
 
 
 if __name__ == "__main__":

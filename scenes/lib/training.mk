@@ -1,21 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# From a plan to reduced models: training, bases, row selection. A Makefile that includes this may set before:
-#   PLAN      what the models are trained on: plan.yml; a list of points, or a region in which they are chosen
-#   ACCURACY  solve only as many points of the plan as it takes to be so accurate (1e-3) at all others; empty: all, and
-#             of a region as many as 1e-3 takes; of histories always all
-#   ENERGY    part of the energy of the training solutions that the modes may leave out: 1e-18, nearly all they tell
-#   MODELS    names of the models to make: model. What each is made of, where not by ENERGY alone (podbuild --help,
-#             deimselect --help): NAME.PRESSURE_MODES, NAME.DEFORMATION, NAME.DEFORMATION_MODES, NAME.WEIGHT; NAME.ROWS,
-#             NAME.METHOD, NAME.WEIGHTS, NAME.STABILITY; NAME.CHECK = no: without a check;
-#             NAME.CALIBRATION: a plan that romrun calibrate takes in place of the check, for oils that are not trained
-#   JOBS      points at a time, and threads of each other program; empty: as many as there are processors. Changes no result
-#   MEMORY    memory that arrays of podbuild and deimselect may take (--memory of either): half of the machine's
-#   PARTS     not empty: each piece of the training is compressed where it was solved, and the modes are those of these parts
-#   SPLIT     parts of a region, each with a model of its own, which OUT/NAME.yml lists (schemas/models.md): 1, or a number;
-#             empty: 1, or where the region is too wide for one model as many as the training finds (parts.sh)
-#   ONE_GRID  not empty: all parts on the grid that the region needs, for contacts in time and FMUs; points and ellipses always
-#   SLURM     not empty: train on Slurm, with an array of SHARDS tasks (4), in a region one a round, and sbatch's
-#             SBATCH_OPTIONS (slurm.sh)
+# Makes reduced models from a plan: training, bases, row selection. A Makefile may set these variables before it
+# includes this file:
+#   PLAN      training points: a list, or a region in which points are chosen; default: plan.yml
+#   ACCURACY  wanted accuracy, such as 1e-3: only as many points are solved as the model needs to have it at all other
+#             points. If it is empty, all points are solved, in a region as many as 1e-3 needs. Histories are all
+#             solved.
+#   ENERGY    part of the energy of the training solutions that the modes may leave out; default: 1e-18, nearly nothing
+#   MODELS    names of the models; default: model. Options of the model NAME (podbuild --help, deimselect --help), if
+#             ENERGY alone does not determine it: NAME.PRESSURE_MODES, NAME.DEFORMATION, NAME.DEFORMATION_MODES,
+#             NAME.WEIGHT; NAME.ROWS, NAME.METHOD, NAME.WEIGHTS, NAME.STABILITY. NAME.CHECK = no omits the check.
+#             NAME.CALIBRATION is a plan for romrun calibrate, which then replaces the check (for oils that are not
+#             trained).
+#   JOBS      points that are solved at a time, and threads of the other programs; empty: one for each processor. JOBS
+#             does not change results.
+#   MEMORY    memory for the arrays of podbuild and deimselect (--memory); default: half of the machine's memory
+#   PARTS     not empty: each piece of the training is compressed where it was solved, and the modes are computed from
+#             the compressed pieces
+#   SPLIT     number of parts of a region, each with its own model; OUT/NAME.yml lists the models (schemas/models.md).
+#             Empty: one, but if the region is too wide for one model, the training finds the number (parts.sh).
+#   ONE_GRID  not empty: all parts have the grid that the whole region needs, as contacts in time and FMUs require.
+#             Parts of point contacts and ellipses always have this grid.
+#   SLURM     not empty: the training runs on Slurm, as an array of SHARDS tasks (default: 4; in a region one array a
+#             round) with the sbatch options SBATCH_OPTIONS (slurm.sh)
 
 PLAN     ?= plan.yml
 
@@ -26,21 +32,22 @@ ENERGY   ?= 1e-18
 MODELS   ?= model
 MODEL    := $(firstword $(MODELS))
 
-# The same makefile again, and the plan, as words of the shell.
+# The main makefile, for calls of make in rules, and the plan, each as one word of the shell.
 this_makefile := $(call one_word,$(firstword $(MAKEFILE_LIST)))
 plan          := $(call one_word,$(PLAN))
 
-# What the Makefile of a region says of one of its parts, in a folder of that.
+# For each part of a region make is called again, in the folder of the part: PART is the name of the part, PARTS_OF are
+# the names of all parts.
 PART ?=
 PARTS_OF ?=
 ifneq ($(PART),)
 override SET += $(call words_of,$(file <$(dir $(OUT))parts-grid.txt))
 endif
 
-# Points of the plan that may fail.
+# Number of points of the plan that may fail.
 ALLOW_FAILURES ?= 0
 
-# $* is the name of the model, also in what a target needs ($$).
+# With second expansion ($$), prerequisites can use $*, which is the name of the model.
 .SECONDEXPANSION:
 
 models: $$(foreach model,$$(MODELS),$$(call model_file,$$(model))) ## all models
@@ -48,22 +55,25 @@ models: $$(foreach model,$$(MODELS),$$(call model_file,$$(model))) ## all models
 .DEFAULT_GOAL := models
 .PHONY: models
 
-# What the plan, or that which it is a part of, is of; plan.stamp is as old as the newest of what it is read from.
+# Which of the words `region` and `histories` apply to the plan (plan.sh). plan.stamp has the time of the newest file
+# that the training reads.
 planned := $(shell $(SHARED)plan.sh $(plan) $(OUT)/plan.stamp)
 
-# Not empty where points are chosen, round by round: of a list that is so wanted, and in a region. Histories are all needed.
+# region: not empty if the plan has a region. chosen: not empty if the training chooses points round by round: in a
+# region, and with ACCURACY in a list of points. Trajectories of histories are all solved.
 region := $(if $(PART),yes,$(filter region,$(planned)))
 chosen := $(if $(filter histories,$(planned)),,$(strip $(ACCURACY) $(region)))
 
-# Parts are of a region, and trained here.
+# Only a region has parts, and they are not trained on Slurm.
 ifneq ($(filter-out 1,$(SPLIT)),)
 ifneq ($(if $(region),$(SLURM),no),)
 $(error SPLIT: found $(SPLIT) $(if $(region),on Slurm,for a plan without a region), expected 1)
 endif
 endif
 
-# Pieces of the training, which together have the bits of one: each is a file. What Slurm has trained stays in pieces.
-# Where points are chosen the pieces are those of a round, and join the one file.
+# The training can be solved in SHARDS pieces, each of which is a file. Together they agree with a training in one piece
+# to the last bit. A training on Slurm stays in pieces. If points are chosen, the pieces are those of a round, and one
+# file collects the solutions of all rounds.
 SLURM  ?=
 SHARDS ?= $(or $(if $(chosen),,$(file <$(OUT)/shards)),$(if $(SLURM),4,1))
 SBATCH_OPTIONS ?=
@@ -71,17 +81,17 @@ SBATCH_OPTIONS ?=
 SNAPSHOTS := $(if $(or $(chosen),$(filter 1,$(SHARDS))),$(OUT)/snapshots.h5,$(patsubst %,$(OUT)/snapshots-%-of-$(SHARDS).h5,$(shell seq $(SHARDS))))
 shard      = $(if $(or $(chosen),$(filter 1,$(SHARDS))),,--shard $(word 2,$(subst -, ,$(notdir $@)))/$(SHARDS))
 
-# What the modes are made of.
+# The files from which the modes are computed.
 MEMORY ?=
 PARTS  ?=
 SOURCES := $(if $(PARTS),$(SNAPSHOTS:$(OUT)/snapshots%=$(OUT)/part%),$(SNAPSHOTS))
 
 TRAINED := $(sort $(SNAPSHOTS) $(SOURCES)) $(foreach model,$(MODELS),$(model:%=$(OUT)/%-basis.h5) $(model:%=$(OUT)/%-residuals.h5) $(model:%=$(OUT)/%.h5))
 
-# Hidden, because make -n would run a line that has it.
+# make -n runs each line that contains $(MAKE). It does not run lines that contain $(hidden_make).
 hidden_make = $(MAKE)
 
-# ---- On Slurm: the same rules, as jobs
+# ---- On Slurm: the same rules run as jobs
 
 slurm-status: ## state of the training on Slurm (make SLURM=1)
 	@$(SHARED)slurm.sh status $(OUT)/slurm $(BIN)/snapgen
@@ -92,7 +102,7 @@ ifneq ($(SLURM),)
 
 $(TRAINED): on-slurm ;
 
-# Empty where one task does all.
+# Not empty if points are chosen and more than one task solves them.
 in_rounds = $(and $(chosen),$(filter-out 1,$(SHARDS)))
 
 on-slurm:
@@ -106,12 +116,12 @@ else
 
 # ---- Training and models
 
-# The stages, of each model four, by which the programs tell how long all of it takes yet (common/program/stage.h).
-# $(call at_stage,NAME): in front of a program. $(call stage_of,NAME): "2/5".
-# Of parts of a region the trainings come first.
+# Stages: the training, and four for each model (three if it is not checked). The programs use the list of stages to
+# estimate the remaining time of the whole pipeline (common/program/stage.h). $(call at_stage,NAME) stands in front of a
+# program; $(call stage_of,NAME) is a text such as "2/5". If a region has parts, the trainings of all parts come first.
 of_models = $(foreach model,$(MODELS),$(addprefix $(model)-,basis residuals rows $(if $(call unchecked,$(model)),,check)))
 stages    = $(if $(PARTS_OF),$(PARTS_OF:%=%-training) $(foreach part,$(PARTS_OF),$(addprefix $(part)-,$(of_models))),training $(of_models))
-# $(call unchecked,MODEL): not empty where deimselect does not check it.
+# $(call unchecked,MODEL): not empty if deimselect does not check the model.
 unchecked = $(or $(filter no,$($1.CHECK)),$($1.CALIBRATION))
 at_stage  = EHDROM_STAGES='$(patsubst %/$(PART),%,$(OUT))/stages $(stage) $(stages)'
 stage     = $(PART:%=%-)$1
@@ -125,7 +135,7 @@ snapgen = $(call at_stage,training) $(BIN)/snapgen $(plan) -o $1 --force --allow
           $(ACCURACY:%=--adaptive --accuracy % --energy $(ENERGY)) $(jobs) \
           $(PARTS_LIST:%=--parts %) $(SNAPGEN_OPTIONS) $(SET)
 
-# $(call resumed,COMMAND): a training that was interrupted goes on, unless it was one of another plan (65).
+# $(call resumed,COMMAND): continues an interrupted training. If it was of another plan (exit code 65), starts again.
 resumed = code=65; [ ! -e $@.partial ] || { $1 --resume; code=$$?; }; [ $$code -ne 65 ] || { $1; code=$$?; }; exit $$code
 
 trained_on := $(if $(wildcard $(OUT)/plan.stamp),$(OUT)/plan.stamp,plan) $(BIN)/snapgen \
@@ -134,8 +144,9 @@ plan:
 	@echo PLAN: found no $(call quoted,$(PLAN)), expected a plan >&2; exit 1
 .PHONY: plan
 
-# A region in parts: REGION_PARTS, their names, none for one model. Which there are is known when it has been trained. make
-# does that first, unless it only says what it would do or need not know.
+# REGION_PARTS are the names of the parts of a region; it is empty if there is one model. The names are known only after
+# the training, so make trains first and then reads the names from parts.mk. It does not train if it only prints what it
+# would do (-n, -q, -t), or if its goals do not need the names.
 asks   := $(if $(MAKECMDGOALS),$(filter-out clean help list names slurm-status,$(MAKECMDGOALS)),yes)
 flags  := $(foreach word,$(firstword $(MAKEFLAGS)),$(if $(findstring =,$(word)),,$(filter-out -%,$(word))))
 idle   := $(foreach flag,n q t,$(findstring $(flag),$(flags)))
@@ -152,7 +163,7 @@ endif
 
 ifneq ($(REGION_PARTS),)
 
-# Models of the parts, and their list.
+# The models of the parts, and the list of these models.
 $(foreach part,$(REGION_PARTS),$(MODELS:%=$(OUT)/$(part)/%.h5)): FORCE
 	@$(MAKE) $(if $(filter 0,$(V)),-s) -f $(this_makefile) PLAN=$(@D).yml OUT=$(@D) SPLIT=1 PART=$(notdir $(@D)) PARTS_OF='$(REGION_PARTS)' $@
 FORCE:
@@ -165,9 +176,10 @@ else
 $(SNAPSHOTS): $(trained_on)
 	$(call quiet,$(call stage_of,training) snapgen   ,$@)$(call resumed,$(call snapgen,$@) $(shard))
 
-# A round in parts (slurm.sh): pieces of it; and what takes them over, and chooses the next round or ends the training.
-# Where pieces do not fit (65) they are left out, and where the training is of another plan it begins anew. Of one with too
-# many failures (3) nothing stays.
+# Rules for a round of the training on Slurm (slurm.sh). Each piece of the round solves some of the chosen points.
+# next-round collects the pieces, and then chooses the points of the next round or ends the training. It leaves out
+# pieces that do not belong to the training (exit code 65). If the training is of another plan, it starts again. If too
+# many points fail (exit code 3), it leaves no file.
 pieces      = ls $(OUT)/piece-*.h5 $(OUT)/piece-*.h5.partial 2>/dev/null
 drop_pieces = rm -f $(OUT)/piece-*.h5 $(OUT)/piece-*.h5.partial
 choose      = $(call snapgen,$(OUT)/snapshots.h5) --choose
@@ -206,7 +218,7 @@ $(MODELS:%=$(OUT)/%-basis.h5): $(OUT)/%-basis.h5: $(SOURCES) $(BIN)/podbuild \
 $(MODELS:%=$(OUT)/%-residuals.h5): $(OUT)/%-residuals.h5: $(OUT)/%-basis.h5 $(SNAPSHOTS)
 	$(call quiet,$(call stage_of,$*-residuals) snapgen   ,$@)$(call at_stage,$*-residuals) $(BIN)/snapgen $(plan) $(adaptive) --basis $< -o $@ --force $(jobs) $(SET)
 
-# A model with nothing to check it on (exit code 4) is a model all the same, and says so in each run.
+# If there are no points to check the model on (exit code 4), the model is kept. romrun then trusts none of its results.
 $(MODELS:%=$(OUT)/%.h5): $(OUT)/%.h5: $(OUT)/%-residuals.h5 $(OUT)/%-basis.h5 $(BIN)/deimselect \
                          $$(call options,$$*,$$(call deimselect_options,$$*))
 	$(call quiet,$(call stage_of,$*-rows) deimselect,$@)$(call at_stage,$*-rows) $(BIN)/deimselect $< --basis $(OUT)/$*-basis.h5 -o $@ --force \
@@ -217,10 +229,10 @@ $(MODELS:%=$(OUT)/%.h5): $(OUT)/%.h5: $(OUT)/%-residuals.h5 $(OUT)/%-basis.h5 $(
 endif
 endif
 
-# ---- What is made of results
+# ---- Names of models in rules
 
-# $(call model_file,NAME): a model, or a list of those of parts.
+# $(call model_file,NAME): the file of a model or, if the region has parts, of the list of their models.
 model_file = $(OUT)/$1.$(if $(REGION_PARTS),yml,h5)
 
-# The model of $(OUT)/MODEL/RESULT, for $* of such a target.
+# The name MODEL in the $* of a target $(OUT)/MODEL/RESULT.
 of_model = $(firstword $(subst /, ,$*))

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Reduced models of a plan of trajectories, and from runs to tables and a picture (trajectories.py). Included by the
-# Makefile of each study whose load oscillates, which says what its models are (training.mk). cases.csv has the periods.
+# Trains reduced models on a plan of trajectories, runs the cases of cases.csv (one for each period of the load), and
+# makes tables and a picture (trajectories.py). The Makefile of each study with an oscillating load includes this file
+# and sets the options of its models (training.mk).
 
 PLAN  = $(OUT)/plan.yml
 PLANS = plan.yml check-plan.yml
 
-# Training: the running in from the stationary contact under loads of these periods, with steps by error control and
-# with fixed ones. Long steps smooth what short ones resolve, so a model that is to agree with the full one step by step
-# must have seen both.
+# Training: trajectories that start at the stationary contact, with loads of these periods. Each is solved with error
+# control and with fixed steps. Long steps smooth details that short steps resolve. A model that has to agree with the
+# full model in each step therefore needs both kinds of steps in its training.
 TRAINED_PERIODS ?= 0.5, 1, 2
 define plan.yml
 groups:
@@ -21,7 +22,7 @@ groups:
 endef
 plan.yml := $(plan.yml)
 
-# Trajectories to measure the models on: periods between those of the training (`make trade`).
+# Trajectories on which `make trade` measures the models: their periods lie between the trained periods.
 CHECK_PERIODS ?= 0.75, 1.5
 define check-plan.yml
 groups:
@@ -32,25 +33,27 @@ groups:
 endef
 check-plan.yml := $(check-plan.yml)
 
-# More pieces are faster on Slurm, but have the bits of one to rounding only.
+# More shards are faster on Slurm, but the result then agrees with that of one shard only to round-off.
 SHARDS ?= $(or $(file <$(OUT)/shards),1)
 
 include $(or $(wildcard $(dir $(lastword $(MAKEFILE_LIST)))training.mk),$(error $(lastword $(MAKEFILE_LIST)): found blanks in its path, expected none))
 
-# A tenth of the default tolerance in time: with published rows, with accurate ones.
+# A tenth of the default tolerance of transient runs: 1.5e-4 with the accurate, 1e-5 with the published discretisation.
 TENTH := $(if $(or $(findstring discretization=accurate,$(SET)),$(shell grep -L 'discretization: published' scene.yml)),1.5e-4,1e-5)
 
-# The case at which confirm looks, by its number.
+# Number of the case that `confirm` runs.
 CONFIRM_CASE ?= 1
 
-# CASES, their numbers, and SHORT_CASES, those of periods that are not far above the time a_ref/u_ref.
+# cases.mk sets CASES to the numbers of all cases, and SHORT_CASES to the numbers of the cases whose periods are not far
+# above the time a_ref/u_ref.
 $(OUT)/cases.mk: cases.csv $(SHARED)trajectories.py $(SHARED)cases.py
 	@numbers=$$($(trajectories) numbers) && echo "$$numbers" | sed -e '1s/^/CASES := /' -e '2s/^/SHORT_CASES := /' > $@
 include $(OUT)/cases.mk
 
 trajectories = $(python) $(SHARED)trajectories.py
 
-# $(call runs_of,MODEL): all runs that its tables need, $(OUT)/full/STEPS-NUMBER.h5 and $(OUT)/MODEL/STEPS-NUMBER.h5
+# $(call runs_of,MODEL): all runs that the tables of a model need: $(OUT)/full/STEPS-NUMBER.h5 and
+# $(OUT)/MODEL/STEPS-NUMBER.h5.
 steps_of = $(or $($1.STEPS),adaptive fixed)
 runs_of  = $(foreach kind,full $1,$(foreach steps,$(call steps_of,$1),$(CASES:%=$(OUT)/$(kind)/$(steps)-%.h5))) \
            $(CASES:%=$(OUT)/full/tenth-%.h5)
@@ -65,7 +68,7 @@ tables: $(OUT)/tables.txt ## sizes, steps and times, deviations
 figures: tables $(OUT)/figure4.png ## tables and pictures
 	$(call tell_pictures,$(filter %.png,$^))
 
-# With accurate rows, along the path.
+# distances and confirm use the accurate discretisation and transport along the path.
 ifneq ($(as_published),)
 distances confirm:
 	$(in_accurate)
@@ -81,15 +84,16 @@ endif
 
 # ---- Runs
 
-# A run that stops early (exit code 3) or is not to be trusted (4) has a result too, which says so.
-# $(call run,PROGRAM,OPTIONS,CASE): CASE, in front of the program, gives it the settings of a run.
+# A run that stops early (exit code 3) or is not trusted (4) has a result too, which contains this status.
+# $(call run,PROGRAM,OPTIONS,CASE): CASE is a command in front of the program, which adds the settings of a run.
 run = mkdir -p $(@D); $3 $(BIN)/$1 scene.yml -o $@ --force --quiet $2 --set output.fields=false $(SET) >/dev/null; \
       code=$$?; case $$code in 0 | 4) ;; 3) mv $@.partial $@ ;; *) exit $$code ;; esac
 
-# $(call of_case,FIXED): of the name that is in $*; what is finer takes the step of the result FIXED.
+# $(call of_case,FIXED): the command CASE for the run that $* names. Runs on finer grids take parts of the grid step of
+# the result FIXED.
 of_case = $(trajectories) run $(notdir $*) $(TENTH) $(or $1,-)
 
-# Parts of the steps of grid and time, of whatever SET says.
+# Runs with finer grids and shorter steps in time: both are parts of the steps of the run `fixed`, whatever SET is.
 FINER := truth published-half published-quarter
 $(foreach steps,$(FINER),$(CASES:%=$(OUT)/full/$(steps)-%.h5)): $(OUT)/full/%.h5: $(OUT)/full/fixed-$$(lastword $$(subst -, ,$$*)).h5
 	$(call quiet,fullrun   ,$@)$(call of_case,$<) $(BIN)/fullrun scene.yml -o $@ --force --quiet $(SET) \

@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes in time over the periods of cases.csv, with full and reduced models: what make runs, tables, a picture.
+"""Runs transient scenes for the periods of cases.csv with full and reduced models, and makes tables and a picture.
 
-cases.csv has a line for each period: transient.load.period, transient.end_time and transient.fixed_step, and what was
-published. Runs are OUT/full/STEPS-NUMBER.h5 and OUT/MODEL/STEPS-NUMBER.h5 by the number of the line, with STEPS of a length by error control
-(adaptive), of a tenth of its tolerance (tenth), or of a fixed length (fixed); truth: half of that on
-a grid of half the step, with accurate rows and films along their paths, not smoothed. Published rows have fixed steps:
-half of that and half the step (published-half), and a quarter of both (published-quarter).
+cases.csv has a line for each period: transient.load.period, transient.end_time, transient.fixed_step, and published
+values. Runs are OUT/full/STEPS-NUMBER.h5 and OUT/MODEL/STEPS-NUMBER.h5 with the number of the line. STEPS is
+
+    adaptive             error control
+    tenth                error control with a tenth of the default tolerance
+    fixed                fixed steps
+    truth                half of the fixed step and half of the grid step, accurate discretisation, transport along the
+                         path, no smoothing
+    published-half       published discretisation with half of the fixed step and half of the grid step
+    published-quarter    published discretisation with a quarter of both
 """
 from types import SimpleNamespace
 
@@ -18,17 +23,17 @@ PERIOD, _, FIXED_STEP = KEYS = "transient.load.period", "transient.end_time", "t
 
 
 def mark(run):
-    """Of a run that stopped early *, of one that is not to be trusted +."""
+    """Returns the mark of a run in tables: * if it stopped early, + if it is not trusted."""
     return {results.NOT_CONVERGED: "*", results.NOT_TRUSTED: "+"}.get(run and run.code, " ")
 
 
 def short(case):
-    """Whether a period is not far above the time a_ref/u_ref, so that the film's way through the contact matters."""
+    """Returns whether the period is not far above the time a_ref/u_ref, so that the transport of the film matters."""
     return float(case.settings[PERIOD]) <= 100
 
 
 def numbers():
-    """Prints the numbers of the cases, and of those that are short, in two lines, after a check of the table."""
+    """Checks the table, and prints the numbers of all cases and, in a second line, of the cases with short periods."""
     cases = results.read_cases()
     if not cases:
         results.stop("cases.csv: found no trajectories, expected a line each below the header")
@@ -45,8 +50,8 @@ def numbers():
 
 
 def run(name, tenth, fixed, *command):
-    """Becomes the command with the settings of a run STEPS-NUMBER as options behind it: a tenth of the default tolerance is
-    given, and the result whose step of the grid is made finer, where it is."""
+    """Replaces this process by the command, with the settings of the run `name` (STEPS-NUMBER) as further options.
+    `tenth` is a tenth of the default tolerance. Finer grids have parts of the grid step of the result `fixed`."""
     steps, _, number = name.rpartition("-")
     case = results.read_cases()[int(number) - 1].settings
     own = {key: text for key, text in case.items() if key != FIXED_STEP}
@@ -60,7 +65,7 @@ def run(name, tenth, fixed, *command):
 
 
 def largest(reference, other, column):
-    """The largest deviation over time in per cent, NaN where they have no time in common."""
+    """Returns the largest deviation over time in per cent, or NaN if the runs have no time in common."""
     found = np.abs(results.deviations(reference, other, column))
     return 100 * np.max(found[~np.isnan(found)], initial=0) if not np.isnan(found).all() else np.nan
 
@@ -69,7 +74,7 @@ def largest(reference, other, column):
 
 
 def size_table(models, snapshots, published):
-    """Sizes of the models (name to path), and those published (text: nodes, modes, rows, needed nodes, steps)."""
+    """Prints sizes of the models (name to path) and published sizes (text: nodes, modes, rows, needed nodes, steps)."""
     print(f"{'Table 6: sizes' if published else 'Sizes'} (m: steps of the training trajectories)\n")
     lines = {name: [*list(results.model_sizes(file).values())[:5], snapshots] for name, file in models.items()}
     if published:
@@ -81,7 +86,7 @@ def size_table(models, snapshots, published):
 
 
 def time_table(model, cases, runs):
-    """Steps and times of the adaptive runs, full and reduced, below each what was published."""
+    """Prints steps and times of the adaptive runs, full and reduced, and below each case the published values."""
     published = any(case.published for case in cases)
     print(f"\n{'Table 7: adaptive' if published else 'Adaptive'} steps at the default tolerance, {model}"
           + ("; the second line of a period: as published" if published else "") + "\n")
@@ -103,7 +108,7 @@ def time_table(model, cases, runs):
 
 
 def deviation_table(model, cases, runs):
-    """The largest deviations over time, - for runs that there are none of."""
+    """Prints the largest deviations over time; - stands for runs that do not exist."""
     print(f"\nLargest deviations over time in per cent, {model}\n"
           "fixed, adaptive: reduced against full model with the same kind of steps; tolerance: full model against\n"
           "itself at a tenth of the default tolerance\n")
@@ -127,7 +132,7 @@ def per_cent(number, note=" "):
 
 
 def tables(out, published, *models):
-    """Prints sizes, steps with times and deviations of models (each NAME STEPS...) beside the published sizes."""
+    """Prints sizes, steps, times and deviations of models (each `NAME STEPS...`), beside the published sizes."""
     cases = results.read_cases()
     kinds = {model.split()[0]: model.split()[1:] for model in models}
     wanted = [("full", "tenth"), *((kind, steps) for name in kinds for kind in ("full", name) for steps in kinds[name])]
@@ -145,8 +150,9 @@ def tables(out, published, *models):
 
 
 def distances(out, model):
-    """Prints for each period the steps and times of both models, by error control and of a fixed length, and the largest
-    deviations over time of central and minimum film: from the truth, and of the reduced model from the full one."""
+    """Prints for each period the steps and times of both models, with error control and with fixed steps. Also prints
+    the largest deviations over time of central and minimum film: from the converged solution, and of the reduced model
+    from the full model."""
     print(f"Largest deviations over time in per cent (rms in brackets): from the truth, and of {model} from the full\n"
           "model with the same kind of steps\n")
     rows = [["T_exc", "model", "steps", "number ", "ms a step", "seconds", "truth: H_c", "H_min", "full: H_c", "H_min"],
@@ -171,14 +177,14 @@ def distances(out, model):
 
 
 def off_by(reference, other, column):
-    """The largest deviation over time in per cent, and in brackets the root of their mean square."""
+    """Returns the largest deviation over time in per cent, and in brackets the rms deviation."""
     off = results.deviations(reference, other, column)
     return f"{largest(reference, other, column):.3f} ({100 * np.sqrt(np.mean(off[~np.isnan(off)]**2)):.3f})"
 
 
 def confirm(out, number):
-    """Prints how far films along the path are from those of the published rows, extrapolated from two grids and steps in
-    time of second order."""
+    """Prints the deviations of the films with transport along the path from the films of the published discretisation.
+    The latter are extrapolated with second order from two grids and two time steps."""
     period = results.read_cases()[int(number) - 1].settings[PERIOD]
     runs = {name: results.read_trajectory(f"{out}/full/{name}-{number}.h5")
             for name in ("truth", "adaptive", "published-half", "published-quarter")}
@@ -197,8 +203,8 @@ def confirm(out, number):
 
 
 def picture(out, model, target):
-    """Draws central pressure and film of the full model over time, and deviations of the reduced one (paper, Fig. 4).
-    Periods far above the time a_ref/u_ref have a column of their own, over parts of the period."""
+    """Draws central pressure and film of the full model over time, and deviations of the reduced model (paper, Fig. 4).
+    Periods far above the time a_ref/u_ref have a separate column, with the time divided by the period."""
     cases = results.read_cases()
     columns = [shown for shown in ([*filter(short, cases)], [case for case in cases if not short(case)]) if shown]
     figure, grid = pictures.page(1300, 1200, 4, len(columns), sharex="col", squeeze=False,

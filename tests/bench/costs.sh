@@ -1,8 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Measures the cost of each term of a scene in instructions (callgrind) and heap (massif), which do not depend on
-# other programs; `make costs` calls it with BIN set. Fails if a scene runs functions of a term that the scene
-# does not have.
+# Measures what each term of a scene costs (a term is a law or an effect, such as a density law, sliding or the change
+# in time). The costs are instructions (callgrind) and heap (massif), which do not depend on other programs. Fails if a
+# scene runs functions of a term that the scene does not have. `make costs` calls this script with BIN set.
 set -eu
 : "${BIN:?folder of the programs}" "${BENCH:?folder of the benchmark programs}"
 here=$(cd "$(dirname "$0")" && pwd)
@@ -40,7 +40,7 @@ stationary='base compressible roelands wlf'
 in_time='time time-compressible time-approach'
 for name in $stationary $in_time; do scene "$name"; done
 
-# the contact of `base` in SI units, which sliding needs, and a ball; options add their other terms
+# the contact of `base` in SI units, which sliding needs, and a ball; the options below add other terms
 cat >si.yml <<'YML'
 contact: line
 regime: stationary
@@ -59,7 +59,7 @@ thinned="$slides --set lubricant.shear.in_film=true"
 heated='--set lubricant.thermal_conductivity=0.14 --set lubricant.viscosity.temperature_coefficient=0.03'
 elliptical='--set contact=ellipse --set ellipticity=2'
 dented='--set surface.kind=dent --set surface.depth=0.01 --set surface.radius=0.2'
-# functions of each term and of the far field of points; inlet heating is a formula without a function of its own
+# patterns of the functions of each term and of the far field of points; inlet heating has no function of its own
 of_sliding='contact_(shear_stress|traction_of|surface_stresses)|eyring|nodes_traction'
 of_thinning='thinned_link|thin|eyring_gradient_of|eyring_along|eyring_across'
 of_ellipses='shape_of|integral_(along|across)|ellipse_[a-z_]*'
@@ -68,7 +68,8 @@ of_points='far_angle_[a-z]*'
 
 # ---- measurements
 
-# calls NAME TOGGLE COMMAND...: writes NAME.calls with the functions run inside TOGGLE (-: in the whole program)
+# calls NAME TOGGLE COMMAND...: writes NAME.calls with the functions that run inside the function TOGGLE (-: in the
+# whole program)
 calls() {
     local name=$1 toggle=$2 status=0
     shift 2
@@ -87,7 +88,8 @@ heap() {
     awk -F= '/^mem_heap_B/ && $2 > most { most = $2 } END { printf "%.0f\n", most / 1000 }' massif
 }
 
-# table PER UNIT NAME...: prints thousands of instructions of NAME.calls for each call of PER; UNIT is its heading
+# table PER UNIT NAME...: prints thousands of instructions in NAME.calls per call of the function PER; UNIT is the
+# heading of the number of calls
 table() {
     local per=$1 unit=$2
     shift 2
@@ -109,7 +111,7 @@ table() {
     done
 }
 
-# none NAME PATTERN: fails if a function of that name runs
+# none NAME PATTERN: fails if a function in NAME.calls matches PATTERN
 none() {
     local found
     found=$(awk -v pattern="$2" '$1 ~ pattern { printf " %s", $1 }' "$1.calls")
@@ -121,19 +123,20 @@ none() {
     fi
 }
 
-# some NAME PATTERN: fails if no function of that name runs
+# some NAME PATTERN: fails if no function in NAME.calls matches PATTERN
 some() {
     awk -v pattern="$2" '$1 ~ pattern { found = 1 } END { exit !found }' "$1.calls" && return
     printf '%-18s calls none of %s\n' "$1" "$2"
     failed=1
 }
 
-# check_terms KIND: checks that no function in KIND-NAME.calls, of a whole run, belongs to a term that its scene lacks
+# check_terms KIND: checks for whole runs (KIND-NAME.calls) that no function belongs to a term that the scene does not
+# have
 check_terms() {
     local kind=$1
     none "$kind-base" '^(dowson_higginson|roelands|wlf)(_|$)'
     none "$kind-wlf" '^(dowson_higginson|roelands|barus)(_|$)'
-    # these fail if a function of the patterns was renamed in the sources
+    # these checks fail if a function in the patterns was renamed in the sources
     some "$kind-base" '^barus$'
     some "$kind-wlf" '^wlf$'
     some "$kind-time" '^(histories_at|previous_(mass|film_masses))$'

@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Runs all measurements, one after the other; `make bench` calls it with BIN and BENCH set.
-# They use one thread unless stated. Numbers are seconds of this machine: compare within one run.
+# Runs all measurements, one after the other; `make bench` calls it with BIN and BENCH set. The measurements use one
+# thread unless stated otherwise. Times are seconds on this machine, so compare only numbers of the same run.
 set -eu
 : "${BIN:?folder of the programs}" "${BENCH:?folder of the benchmark programs}"
 here=$(cd "$(dirname "$0")/../.." && pwd)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Sums up the output of sweeps, with or without the "# " of a log, as tables with one row for each run:
+# Sums up the output of sweeps as tables with one row for each run. The lines may begin with the "# " of a log:
 #
 #     awk -f tests/fault/counts.awk build/release/test-logs/long_{fault,kills}.bats.tap
 

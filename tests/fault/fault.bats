@@ -88,7 +88,7 @@ load sweeps
 
 @test "a limit of memory is said before OpenBLAS waits for ever" {
     local code
-    # with one thread of OpenBLAS and with its default of several
+    # with one thread of OpenBLAS, and with several threads, which are its default
     for threads in 1 8; do
         for megabytes in 100 200; do
             code=0

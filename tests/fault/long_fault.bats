@@ -1,7 +1,7 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Faults at all calls of the small runs. A program does tens of thousands of allocations, nearly all of
-# them alike. EVERY=1 fails each allocation and takes hours.
+# Tests faults at all calls of the small runs. A program makes tens of thousands of allocations, and nearly all of them
+# are alike, so only a sample of the allocations fails. With EVERY=1 each allocation fails, which takes hours.
 
 load sweeps
 
@@ -25,7 +25,7 @@ load sweeps
 }
 
 @test "every call of a file fails, of an FMU and of what is mapped" {
-    # a run takes a second, mostly for packing, and its writes are alike
+    # a run takes a second, mostly to pack the FMU, and its writes are alike
     for kind in open sync close rename map; do
         sweep fmu $kind fail
     done

@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Kills and power cuts anywhere in the runs that can be resumed.
+# Tests kills and power cuts at all calls of the runs that can be resumed.
 
 load sweeps
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Shared by the tests of faults: small runs of all programs, and the call of `sweep` (sweep.c).
+# Functions that the tests of faults share: small runs of all programs, and the call of `sweep` (sweep.c).
 
 load ../pipeline/common
 
@@ -28,7 +28,7 @@ groups:
     vary: {moes.M: [8, 15], moes.L: [3]}
   - scene: moving.yml
 YAML
-    # fields of several pages
+    # fields that take several pages of the file
     sed 's/step: 0.05/step: 0.01/' base.yml >fine-base.yml
     sed 's/base.yml/fine-base.yml/' plan.yml >fine.yml
     snapgen -q -j1 plan.yml -o s.h5
@@ -36,7 +36,7 @@ YAML
     snapgen -q -j1 plan.yml --basis b.h5 -o r.h5
     deimselect -q r.h5 --basis b.h5 --no-check -o m.h5
     romrun --export m.h5 -o m.ehdrom
-    # points so close together that the check of the model has nothing to warn of
+    # these points are so close together that the check of the model prints no warning
     sed 's/vary: .*/vary: {moes.M: [11, 12, 13], moes.L: [3, 4]}/' plan.yml >close.yml
     snapgen -q -j1 close.yml -o close-s.h5
     podbuild -q close-s.h5 -o close-b.h5

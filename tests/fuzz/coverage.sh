@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Prints, on one line, the coverage of each folder in per cent of its lines, by the corpus of a target and the
+# Prints on one line, for each folder, how many per cent of its lines of code are run by the corpus of a target and the
 # findings of fuzzing.
 #
 #     tests/fuzz/coverage.sh TARGET
@@ -11,7 +11,7 @@ cd "$(dirname "$0")/../.."
 root=$PWD
 find build/cov -name '*.gcda' -delete
 mapfile -t files < <(find "$root/tests/fuzz/corpus/$target" "$root/build/found/$target" -type f 2>/dev/null)
-# files that fail are included, up to the line of the failure
+# for a file that fails, the lines up to the failure count too
 tests/fuzz/with-bases.sh "$root/build/cov/fuzz/replay" "$target" "${files[@]}" >/dev/null 2>&1 || true
 gcovr --root . --object-directory build/cov $(printf -- '--filter %s/ ' common fullrun snapgen podbuild deimselect romrun) --csv |
     awk -F, -v target="$target" '

@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Fuzzes a target for some seconds and prints a summary on one line. New inputs stay in build/found/TARGET,
-# from which the next run continues. Failures are build/crashes/TARGET-..., beside the log.
+# Fuzzes a target for some seconds and prints a summary on one line. New inputs stay in build/found/TARGET, from which
+# the next run continues. Failures are stored as build/crashes/TARGET-..., beside the log.
 #
 #     tests/fuzz/fuzz.sh LIBFUZZER TARGET SECONDS
 set -u

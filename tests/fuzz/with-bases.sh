@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Runs a command in a temporary folder with small valid files of every kind, from which the targets (target.c)
-# start. The folder is in memory if the system offers that. BIN is the folder of the programs.
+# Runs a command in a temporary folder with small valid files of every kind, from which the targets (target.c) start.
+# The folder is in memory if the system has a file system in memory. BIN is the folder of the programs.
 #
 #     tests/fuzz/with-bases.sh COMMAND...
 set -eu
@@ -13,7 +13,7 @@ trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 export PATH=$BIN:$PATH OPENBLAS_NUM_THREADS=1
 
-# the grids are too coarse for an error estimate, so it is left out
+# the grids are too coarse for an error estimate, so scenes leave it out
 stationary='regime: stationary
 output: {resolution: false}'
 lubricant='lubricant: {viscosity: {law: barus, alpha: 2.0e-8}, density: {law: dowson-higginson}}'
@@ -44,7 +44,7 @@ printf 'groups:\n- {scene: line.yml, points: work.csv}\n' >csv-plan.yml
 printf 'groups:\n- {scene: line.yml, vary: {moes.M: [9.5, 13]}}\n' >small-plan.yml
 printf 'groups:\n- {scene: line.yml, vary: {moes.M: [8, 9, 11, 13, 15], moes.L: [2, 3, 4, 5, 6]}}\n' >wide-plan.yml
 
-# more rows than are written at once
+# cases.csv has more rows than romrun writes at once
 {
     echo moes.M
     seq -f 1%.3f 0 0.005 5
@@ -68,7 +68,8 @@ chain() { # NAME SCENE PODBUILD_OPTION...
     romrun --export m-line.h5 --pressure-modes 9 --rows 20 -o m-small.ehdrom
     for scene in line time point; do fullrun $scene.yml -q -o f-$scene.h5; done
     snapgen small-plan.yml -q -o s-small.h5
-    # the same values as another program may write them, without our attributes; such files are also faster to read
+    # writes the same values as another program may write them, without our attributes; such files are also faster to
+    # read
     /usr/bin/python3 - <<'PYTHON'
 import glob, h5py
 OWN = ("history", "creator", "title", "Conventions", "complete", "input_", "basis_sha256", "content_sha256")

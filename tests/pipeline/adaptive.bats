@@ -48,10 +48,10 @@ with h5py.File("s.h5") as s:
     of_round = s["training_round"][...]
     assert (numpy.diff(of_round) >= 0).all() and of_round[0] == 0 and of_round[-1] == rounds - 1
     assert (of_round == 0).sum() == 8
-    # the corners of the region come first
+    # the first points contain the corners of the region
     corners = {(8, 2), (8, 6), (16, 2), (16, 6)}
     assert corners <= set(zip(s["moes_M"][:8], s["moes_L"][:8]))
-    # the curve over the rounds agrees with the states
+    # the numbers that are stored for each round agree with the states
     assert (s["round_points"][...] == [(of_round <= r).sum() for r in range(rounds)]).all()
     off = abs(s["training_film"][...] / s["central_film_thickness"][...] - 1)
     assert numpy.isnan(off[:8]).all()
@@ -61,7 +61,8 @@ with h5py.File("s.h5") as s:
         worst = numpy.nanmax(here) if not numpy.isnan(here).all() else numpy.nan
         numpy.testing.assert_allclose(s["round_deviation"][r], worst, rtol=1e-9)
     assert numpy.isnan(s["round_deviation"][-1])
-    # the last round was a check: the accuracy is indicated before it, found in it, and indicated after it
+    # the last round was a check: the indicated deviation meets the accuracy before and after this round, and the
+    # deviation found in this round meets it too
     assert (s["round_indicated"][-2:] <= 1e-3).all() and s["round_deviation"][-2] <= 1e-3
     assert not any((s["round_indicated"][r : r + 2] <= 1e-3).all() and s["round_deviation"][r] <= 1e-3
                    for r in range(rounds - 2))
@@ -101,7 +102,7 @@ print(len(h5py.File("r.h5")["state"]) == len(h5py.File("s.h5")["state"]))')" = T
 # bats test_tags=slow
 @test "--resume looks at what each state holds" {
     resume=(snapgen region.yml --adaptive --start 8 --jobs 1 --quiet -o x.h5 --resume)
-    # makes the file look as it does before the training ends
+    # this code makes the file look as it does before the training ends
     local unended="f.attrs['complete'] = numpy.int64(0)
     for name in [n for n in f if n.startswith('round')]: del f[name]"
     for change in "f['moes_M'][-1] *= 1.2" "f['exit_node'][-1] = 10**6" "f['rigid_approach'][-1] = numpy.inf"; do
@@ -154,7 +155,7 @@ PYTHON
     run --separate-stderr snapgen region.yml --adaptive --start 8 --max-points 13 -o y.h5 --quiet
     [ "$status" -eq 0 ]
     [[ $output == "13 points of 153, "* ]]
-    # the points are the first ones of the longer training
+    # the points are the first points of the longer training
     /usr/bin/python3 - <<'PYTHON'
 import h5py
 with h5py.File("s.h5") as s, h5py.File("y.h5") as y:
@@ -211,7 +212,7 @@ YAML
     run --separate-stderr snapgen failing.yml --set grid.x_max=1.1 --adaptive --start 8 -o y.h5 --quiet \
         --allow-failures 3
     [ "$status" -eq 0 ]
-    # the grid is so coarse that the points that are solved make no model
+    # on so coarse a grid, too few points are solved for a model
     cat >coarse.yml <<'YAML'
 groups:
   - scene:

@@ -43,8 +43,8 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-# sweep FILE COMMAND...: runs the COMMANDs on copies of FILE, in each of which one axis is shorter or longer. FILE in a
-# COMMAND stands for the copy. Along a longer axis the entries are repeated in turn, or each one is repeated.
+# sweep FILE COMMAND...: runs the COMMANDs on copies of FILE. In each copy, one axis is shorter or longer. FILE in a
+# COMMAND stands for the copy. Along a longer axis, the entries are repeated in turn, or each entry is repeated.
 sweep() {
     /usr/bin/python3 -B "$BATS_TEST_DIRNAME/resize_axes.py" "$@"
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Tests of the boundary around the grid of a point contact: the far field or zero pressure. Files of one boundary are
-# refused with the other.
+# Tests of the boundary around the grid of a point contact: the far field or zero pressure. Files made with one boundary
+# are refused in a run with the other boundary.
 
 load common
 

@@ -107,7 +107,8 @@ PYTHON
     [[ $stderr == "romrun: --accuracy "*": $modes pressure modes, $rows rows, the fastest of "* ]]
     [ "${#stderr_lines[@]}" -eq 1 ]
     romrun scene.yml --model c.h5 --pressure-modes "$modes" --rows "$rows" -o y.h5 --quiet
-    # the fastest size depends on the machine, and --accuracy sets where the iteration ends
+    # the fastest size depends on the machine; the films differ a little, because --accuracy also sets where the
+    # iteration ends
     close_to "$(number x.h5 central_film_thickness)" "$(number y.h5 central_film_thickness)" \
         "$(awk "BEGIN { print $wanted / 10 }")"
     [[ $(h5dump -a settings x.h5) == *"# $modes pressure modes, 0 deformation modes, $rows rows (0: all), accuracy "* ]]
@@ -263,7 +264,7 @@ with h5py.File("full.h5") as full, h5py.File("red.h5") as red:
             "pressure": off("pressure").max(), "film": off("film_thickness")[0][inside].max() / central}
     for name, deviation in true.items():
         indicated = red["indicated_deviation_" + name][0]
-        # the indicated deviation of a load that is known is the true one
+        # the load is known, so its indicated deviation is the true deviation
         least, rounding = (0.99, 1e-8) if name == "load" else (1.9, 0)
         assert least * deviation - rounding <= indicated < 1e6 * deviation + 1e-9, (name, indicated, deviation)
 PYTHON
@@ -430,7 +431,7 @@ PYTHON
     [ "$status" -eq 0 ]
     [[ ${stderr_lines[1]} == "romrun: --accuracy 0.1: found an indicated deviation of "*" p_H of the largest pressure, more than 3 times that, again with $modes pressure modes, $rows rows" ]]
     [[ $(h5dump -a settings again.h5) == *"# $modes pressure modes, 0 deformation modes, $rows rows (0: all), accuracy "* ]]
-    # a table of cases does this too
+    # a table of cases is solved with the most accurate size too
     echo moes.M >one.csv
     sed -n 's/^moes: {M: \([0-9.]*\),.*/\1/p' scene.yml >>one.csv
     romrun scene.yml --cases one.csv --model x.h5 --accuracy 0.1 -o cases.h5 --quiet
@@ -508,7 +509,8 @@ PYTHON
     [ -z "$stderr" ]
     [[ $output == "0 scenes, 1 trajectories, "* ]]
     romrun --check tc.h5
-    # the worst deviation is that of --against for the whole model; both take the same steps, as these are fixed
+    # the worst deviation equals the deviation that --against prints for the whole model, since both runs take the same
+    # fixed steps
     fullrun moving.yml --set transient.load.period=0.75 -o full.h5 --quiet
     romrun moving.yml --set transient.load.period=0.75 --model tm.h5 --against full.h5 --quiet --allow-untrusted >red.txt
     worst=$(sed -n 's/.*central film thickness *at most \([^ ]*\) %.*/\1/p' red.txt)
@@ -570,7 +572,8 @@ for name, most in [("good", 0.01), ("bad", 1)]:
         for film, indicated in [("central_film_thickness", "indicated_deviation"),
                                 ("minimum_film_thickness", "indicated_deviation_minimum")]:
             off = abs(file[film][...] / full[film][...] - 1)
-            # the estimate also bounds the minimum film, while an exit moves faster than in training
+            # the estimate also bounds the deviation of the minimum film, while the exit moves faster than in the
+            # training
             assert (file[indicated][...] >= off).all()
             assert file[indicated][...].max() < most
             above |= file[indicated][...] > 0.01
@@ -582,14 +585,15 @@ PYTHON
         --set transient.fixed_step=0.04 --accuracy 9e-4 --quiet
     [ "$status" -eq 4 ]
     [[ $stderr == *"found an indicated deviation of "*" of the minimum film, more than 0.0009, first at T = "* ]]
-    # an accuracy better than any measured one selects the most accurate size, and each step has its own estimate
+    # if the accuracy is better than any measured accuracy, the most accurate size is used, and each step has its own
+    # estimate
     run --separate-stderr romrun moving.yml --model tc.h5 $fast --accuracy 1e-12 --quiet
     [ "$status" -eq 4 ]
     [[ $stderr == *"found an indicated deviation of "*" film, more than 1e-12, first at T = "* ]]
     run --separate-stderr romrun moving.yml --model tc.h5 $fast --accuracy 1e-12 --allow-untrusted
     [ "$status" -eq 0 ]
     [[ $stderr == "romrun: --accuracy 1e-12: 40 pressure modes, "*", the most accurate of "*"each step is judged by its own"* ]]
-    # the calibration states that this size is accurate, which is wrong: the most accurate size repeats the march
+    # the calibration wrongly states that this size is accurate, so the most accurate size repeats the march
     cp tc.h5 ta.h5
     /usr/bin/python3 - <<'PYTHON'
 import h5py
@@ -617,7 +621,8 @@ PYTHON
     run --separate-stderr romrun moving.yml --model ta.h5 --set transient.load.period=0.4 --accuracy 0.02 -o x.h5
     [ "$status" -eq 4 ]
     [[ $stderr == *", again with 40 pressure modes, "*"(--fallback full has the full model solve it"* ]]
-    # a history faster than the training is outside of its range, whatever deviation is indicated, and is no check scene
+    # a history faster than the training is outside of the trained range, whatever deviation is indicated, and is no
+    # check scene
     run --separate-stderr romrun moving.yml --model tc.h5 --set transient.load.period=0.4 --accuracy 0.5 --quiet
     [ "$status" -eq 4 ]
     [[ $stderr == *"found a contact that changes faster than any in training, first at T = "* ]]
@@ -733,7 +738,7 @@ tables = [list(csv.DictReader(open(name))) for name in ("word.csv", "option.csv"
 for row in tables[0] + tables[1]: del row["solve_seconds [s]"]
 assert len(tables[0]) == 2 and tables[0] == tables[1]
 PYTHON
-    # --resume compares the settings of a table, with the limits
+    # --resume compares the settings of a table, including the limits
     romrun cases base.yml cases.csv -m c.h5 -o word.h5 -q --accuracy-of load=0.1
     romrun base.yml --cases cases.csv -m c.h5 -o option.h5 -q --accuracy-of load=0.1
     h5dump -a settings word.h5 | tail -n +2 >settings
@@ -747,7 +752,7 @@ PYTHON
     cmp word.ehdrom option.ehdrom
     romrun -q calibrate check.yml -m m.h5 -o word-c.h5
     cmp <(romrun --print word-c.h5 position_rows) <(romrun --print c.h5 position_rows)
-    # words are names where --print follows, and a file of such a name is a path
+    # after --print FILE, the word of a mode is the name of an item; a file whose name is such a word is read as a file
     refuse 65 "trade" romrun --print c.h5 trade
     cp c.h5 trade
     romrun trade trade | cmp - word

@@ -44,7 +44,8 @@ CSV
     for case in "10 3" "12 5" "14.5 5.5"; do
         romrun base.yml --model c.h5 --set "moes.M=${case% *}" --set "moes.L=${case#* }" -o "${case/ /-}.h5" >/dev/null
     done
-    # --accuracy chooses the sizes, and the most accurate one where the chosen size is not accurate enough
+    # --accuracy chooses a size of the model for each case; if this size is not accurate enough, the most accurate size
+    # is used
     romrun base.yml --cases cases.csv --model c.h5 -o a.csv --quiet --accuracy 1e-2 --allow-untrusted >/dev/null
     romrun base.yml --model c.h5 --set moes.M=12 --set moes.L=5 --accuracy 1e-2 --quiet --allow-untrusted -o a.h5 >/dev/null
     /usr/bin/python3 - <<'PYTHON'
@@ -262,7 +263,7 @@ PYTHON
         done
     done
     echo "${kilobytes[@]}"
-    # in memory a row takes 600 bytes; the index of HDF5 takes some bytes for each row
+    # a row in memory would take 600 bytes; the index of HDF5 takes only some bytes for each row
     ((kilobytes[2] - kilobytes[0] < 2000 && kilobytes[3] - kilobytes[1] < 3000 + rows / 60))
 }
 
@@ -291,7 +292,8 @@ PYTHON
         [ ! -e "t.$kind.partial" ] && [ ! -e "t.$kind.resume" ]
     done
     romrun --check t.h5
-    # a row that was partly written is solved again; the first bad row is counted in the whole table
+    # a row that was partly written is solved again; the message counts the first bad row from the beginning of the
+    # whole table
     printf 'moes.M,moes.L\n10,3\n40,3\n12,5\n40,4\n' >bad.csv
     judged 4 "bad.csv:3: .* 2 not to be trusted" base.yml --cases bad.csv --model c.h5 -o b.csv
     romrun base.yml --cases many.csv --model c.h5 -o x.csv --quiet --force >/dev/null
@@ -303,7 +305,7 @@ PYTHON
     rm t.csv
     romrun base.yml --cases many.csv --model c.h5 -o t.csv --quiet --resume >/dev/null
     cmp <(rows_of whole.csv) <(rows_of t.csv)
-    # one changed bit in the unfinished table is found at each place
+    # a changed bit in the unfinished table is found, wherever the bit is
     stop_when KILL 'marks 2' t.csv romrun base.yml --cases many.csv --model c.h5 -o t.csv --quiet --jobs 1 --force
     cp t.csv.partial partial && cp t.csv.resume resume
     last=$(tail -n 1 resume)
@@ -322,7 +324,7 @@ PYTHON
         [[ $status == 65 && $output == *"t.csv.partial: found damaged rows, expected what an interrupted run"* ]]
         [ ! -e t.csv ]
     done
-    # a mark within a row is refused too
+    # a mark (number of finished bytes and their checksum) that ends within a row is refused too
     bytes=$((header + 100))
     grep -v -E '^[0-9]+ [0-9a-f]{64}$' resume >t.csv.resume
     echo "$bytes $(head -c $bytes partial | sha256sum | cut -d ' ' -f 1)" >>t.csv.resume

@@ -4,7 +4,8 @@
 bats_require_minimum_version 1.5.0
 PATH=$BIN:$PATH
 
-# is_installed: checks whether this variant has the library for other programs. outside: skips the test if it has not.
+# is_installed: checks whether this variant has the library for other programs. outside: skips the test if this variant
+# does not have it.
 is_installed() { [[ $VARIANT == release || $VARIANT == debug ]]; }
 outside() { is_installed || skip "the library is not built with sanitizers"; }
 
@@ -59,8 +60,8 @@ groups:
 YAML
 }
 
-# Makes m.h5 and c.h5 in the current folder. m.h5 is trained on the plan of common_setup_small and two more M, and never
-# checked. c.h5 is calibrated on check.yml, which has four scenes between the training points.
+# Makes m.h5 and c.h5 in the current folder. m.h5 is trained on the plan of common_setup_small with two more values of
+# M, and is never checked. c.h5 is calibrated on check.yml, which has four scenes between the training points.
 small_model() {
     common_setup_small
     sed 's/\[8, 11, 15\]/[8, 9.5, 11, 13, 15]/' plan.yml >train.yml
@@ -76,7 +77,7 @@ YAML
     romrun --calibrate check.yml --model m.h5 -o c.h5 --quiet
 }
 
-# moving_scene GRID TIME: writes moving.yml, a line contact under a load of +-10 % and period 1.
+# moving_scene GRID TIME: writes moving.yml, a line contact under a load that swings by 10 % with period 1.
 moving_scene() {
     cat >moving.yml <<YAML
 contact: line
@@ -88,7 +89,8 @@ transient: {load: {law: sine, amplitude: 0.1, period: 1}, $2}
 YAML
 }
 
-# time_plan NAME PERIODS AMPLITUDE: writes NAME-time.yml, a plan of loads of moving.yml.
+# time_plan NAME PERIODS AMPLITUDE: writes NAME-time.yml, a plan that varies period and amplitude of the load of
+# moving.yml.
 time_plan() {
     cat >"$1-time.yml" <<YAML
 groups:
@@ -148,8 +150,8 @@ YAML
     deimselect --no-check rp.h5 --basis bp.h5 -o p.h5 --rows 60 --method sopt
 }
 
-# half_and_whole_are_symmetric OPTION...: solves scene.yml on half of the domain (half.h5) and on all of it (whole.h5).
-# Checks that both results have the same symmetric fields.
+# half_and_whole_are_symmetric OPTION...: solves scene.yml on half of the domain (half.h5) and on the whole domain
+# (whole.h5). Checks that both results have the same symmetric fields.
 half_and_whole_are_symmetric() {
     fullrun scene.yml "$@" -o half.h5
     fullrun scene.yml "$@" --set grid.half=false -o whole.h5
@@ -185,8 +187,8 @@ refuse() {
     [ ! -e x.h5.partial ]
 }
 
-# same_data A B: checks that all datasets are equal to the last bit, where NaN equals NaN. It skips the restart slots,
-# which are written by the clock, and the times of a checked model's sizes and of rounds.
+# same_data A B: checks that all datasets are equal to the last bit, where NaN equals NaN. It skips what depends on the
+# clock: restart slots, the times of the sizes of a checked model, and the times of training rounds.
 same_data() {
     /usr/bin/python3 - "$1" "$2" <<'PYTHON'
 import sys, h5py
@@ -209,7 +211,8 @@ with h5py.File(sys.argv[1]) as file:
 PYTHON
 }
 
-# are_numbers TEXT...: checks that all texts are finite numbers; awk takes other texts for 0, and for NaN <= holds.
+# are_numbers TEXT...: checks that all texts are finite numbers. This is needed because awk reads other texts as 0, and
+# because <= is true for NaN in awk.
 are_numbers() {
     local text
     for text; do
@@ -222,7 +225,8 @@ is_within() {
     awk -v a="$1" -v b="$2" -v r="$3" 'BEGIN { d = a - b; if (d < 0) d = -d; s = b < 0 ? -b : b; exit !(d <= r * s) }'
 }
 
-# close_to A B RELATIVE: checks that two numbers are that close; far_from A B RELATIVE: that they are not.
+# close_to A B RELATIVE: checks that A and B are numbers, and that is_within holds. far_from A B RELATIVE: checks that A
+# and B are numbers, and that is_within does not hold.
 close_to() {
     are_numbers "$1" "$2" || return
     is_within "$@" || { echo "found $1, expected $2 within $3"; return 1; }
@@ -242,8 +246,8 @@ shows_no() {
 }
 
 # stop_when SIGNAL CONDITION OUTPUT COMMAND...: stops a program while it writes (stop_when.py).
-# It leaves the exit code in `code`, which must be that of a kill after KILL. After STOP the program is only halted, and
-# `pid` is its process id.
+# It stores the exit code in `code`. After KILL, this must be the exit code of a killed program. After STOP, the program
+# is only halted, and `pid` is its process id.
 stop_when() {
     code=0
     if [ "$1" = STOP ]; then
@@ -254,8 +258,8 @@ stop_when() {
     fi
 }
 
-# copy_scenes FOLDER...: copies examples/NAME or studies/NAME with their shared files to scenes/FOLDER. Scenes of the
-# paper keep the grid of scene.yml with accurate rows too.
+# copy_scenes FOLDER...: copies each FOLDER (examples/NAME or studies/NAME) and the shared files to scenes/FOLDER. In
+# studies of the paper, runs with accurate rows then also use the grid of scene.yml.
 copy_scenes() {
     local root=$BATS_TEST_DIRNAME/../.. folder
     mkdir -p "$BATS_TEST_TMPDIR/scenes"
@@ -268,7 +272,7 @@ copy_scenes() {
     done
 }
 
-# copy_scene FOLDER: copies it with a small grid, plan and models to scenes/studies/own or scenes/examples/own.
+# copy_scene FOLDER: copies it with a small grid and small models to scenes/studies/own or scenes/examples/own.
 copy_scene() {
     copy_scenes "$1"
     cp -r "$1" "${1%/*}/own"
@@ -286,7 +290,7 @@ copy_scene() {
 
 run_make() { run make BIN="$BIN" "$@"; }
 
-# a pattern of the programs' names as make calls them
+# pattern of the names of the programs in the commands of make
 programs='(snapgen|podbuild|deimselect|fullrun|romrun) '
 
 # patch FILE PYTHON: copies the file to bad.h5, deletes its digest and runs the code on it as `f`

@@ -1,6 +1,7 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Tests of the discretisations of a scene: their films, and that files of one are refused with another.
+# Tests of the discretisations of a scene: their films, and that files made with one discretisation are refused with
+# another.
 
 load common
 
@@ -8,7 +9,7 @@ setup() { common_setup; }
 
 published=(--set discretization=published)
 
-# train PLAN OPTION...: trains m.h5 with all of the energy but 1e-18
+# train PLAN OPTION...: trains m.h5 with modes that leave out 1e-18 of the energy
 train() {
     local plan=$1
     shift
@@ -54,7 +55,7 @@ train() {
         close_to "$(number x.h5 central_film_thickness)" "$(number f.h5 central_film_thickness)" 1e-4
         close_to "$(number x.h5 exit_position)" "$(number f.h5 exit_position)" 1e-5
     done
-    # the exit lies between nodes, and a start from the result finds it again
+    # the exit lies between nodes, and a run that starts from the result finds the same exit
     awk -v x="$(number f.h5 exit_position)" 'BEGIN { node = (x + 4) / 0.02; exit !(node % 1 > 0.01 && node % 1 < 0.99) }'
     fullrun scene.yml --start f.h5 -o again.h5 --quiet --set moes.M=12 --set moes.L=5 >/dev/null
     close_to "$(number again.h5 exit_position)" "$(number f.h5 exit_position)" 1e-9
@@ -102,7 +103,7 @@ train() {
     refuse 65 "bad.h5: discretization: found exact, expected accurate.cross-flux.published" podbuild bad.h5 -o x.h5
 }
 
-# forget FILE: makes a file of a published run look like one of a version before 0.3.0
+# forget FILE: makes a file of a run with published rows look like a file of a version before 0.3.0
 forget() {
     /usr/bin/python3 - "$1" <<'PYTHON'
 import sys, h5py
@@ -149,7 +150,7 @@ PYTHON
     fullrun scene.yml --allow-untrusted -o f.h5 --set moes.M=14 --set moes.L=4 "${crossed[@]}" >/dev/null
     romrun scene.yml --allow-untrusted --model m.h5 -o reduced.h5 --set moes.M=14 --set moes.L=4 "${crossed[@]}" >/dev/null
     close_to "$(number reduced.h5 central_film_thickness)" "$(number f.h5 central_film_thickness)" 1e-3
-    # the library solves stationary contacts of such a model only
+    # with such a model, the library solves only stationary contacts
     if [ "$VARIANT" = release ]; then
         local root=$BATS_TEST_DIRNAME/../..
         make -C "$root" -s python VARIANT="$VARIANT" DEPS=no

@@ -83,7 +83,7 @@ within() {
     run romrun --allow-untrusted scene.yml --set discretization=published --model published.h5
     [ "$status" -eq 0 ]
     [[ $output =~ "central film thickness"[^$'\n']*$'\n'"  of this, about        the grid "[0-9.]*" %, the inlet "[0-9.]*" %"$'\n'"minimum film"[^$'\n']*$'\n'"  of this, about        the grid "[0-9.]*" %, the inlet "[0-9.]*" %"$'\n' ]]
-    # outside of the training the effects are printed too; the result is flagged as usual
+    # the effects are also printed outside of the training; the result is flagged as usual
     run romrun scene.yml --set discretization=published --model published.h5 --set moes.M=45
     [ "$status" -eq 4 ]
     [[ $output == *"of this, about"* ]]

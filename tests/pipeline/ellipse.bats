@@ -60,14 +60,15 @@ PYTHON
 @test "the far field does what a longer domain does" {
     films() { # RATIO BOUNDARY X_MIN Y_MAX
         fullrun scene.yml --set ellipticity="$1" --set boundary="$2" --set grid.x_min="$3" --set grid.y_max="$4" \
-            --set grid.x_max=2.5 --set lubricant.density.law=incompressible -o x.h5 --force >short || [ $? -eq 4 ] # the inlet is short with zero around
+            --set grid.x_max=2.5 --set lubricant.density.law=incompressible -o x.h5 --force >short || [ $? -eq 4 ] # with boundary=zero the inlet is too short
         number x.h5 central_film_thickness
     }
     for ratio in 0.6 2; do
         open=$(films $ratio open -3 2.5)
         zero=$(films $ratio zero -3 2.5)
         expected=$(films $ratio open -10 8)
-        # the far field keeps the film within 0.2 %; with zero pressure around it is more than 0.5 % too thin
+        # the far field keeps the film within 0.2 %; with zero pressure around the grid, the film is more than 0.5 % too
+        # thin
         /usr/bin/python3 -c "
 print($open, $zero, $expected)
 assert abs($open / $expected - 1) < 2e-3 and $zero < 0.995 * $expected"
@@ -272,7 +273,8 @@ grid: {x_min: -4, x_max: 2, step: 0.0625}
 output: {resolution: false}
 YAML
     fullrun line.yml -o line.h5 --quiet
-    # p_H, R_x, u and the lubricant are equal: 2/(k A) is the half width of the line over that of the ellipse
+    # p_H, R_x, u and the lubricant of line and ellipse are equal; 2/(k A) is the half width of the line over the half
+    # width of the ellipse
     /usr/bin/python3 - <<'PYTHON'
 import subprocess, h5py, numpy
 def solved(name, *settings):
@@ -280,7 +282,7 @@ def solved(name, *settings):
         part for setting in settings for part in ("--set", setting))], check=True)
     with h5py.File(f"{name}.h5") as file:
         return file["central_film_thickness"][0], file.attrs["hertz_pressure"]
-# the line's inlet is long enough to be as complete as that of the ellipse with its far field
+# the inlet of the line is long enough to be as complete as the inlet of the ellipse with the far field
 line, line_pressure = solved("line", "grid.x_min=-16")
 below = []
 for k in 2, 4, 8:

@@ -36,8 +36,8 @@ setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
     [[ $status == 0 && ! $output =~ bin/$programs ]]
 }
 
-# Copies the oscillator with a small grid and model. A coarse grid has few modes to offer: with accurate rows the force
-# needs 60, and the film is 1.1 % off. On the example's own grid the two models agree to 0.001 %.
+# Copies the oscillator with a small grid and model. A coarse grid offers few modes: with accurate rows the force needs
+# 60 modes, and the film is 1.1 % off. On the example's own grid the two models agree to 0.001 %.
 small_oscillator() {
     copy_scene examples/oscillator
     echo 'discretization: published' >>scene.yml
@@ -64,7 +64,8 @@ small_oscillator() {
     run_make -n figures
     [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ out/oscillator\ scene ]]
 
-    # CMake finds the library as it would from another program's folder, with the roller's file as README.md says
+    # CMake finds the library as it would from the folder of another program, with the CMake file of the roller, as
+    # README.md says
     sed 's/roller/oscillator/g' "$BATS_TEST_DIRNAME/../../scenes/examples/roller/CMakeLists.txt" >CMakeLists.txt
     PKG_CONFIG_PATH=$BIN/../lib/pkgconfig PKG_CONFIG='pkg-config --define-prefix' cmake -S . -B cmake >/dev/null
     cmake --build cmake >/dev/null
@@ -120,7 +121,8 @@ small_oscillator() {
     [ "$(head -c 4 out/bounces.png | tail -c 3)" = PNG ]
     run_make
     echo "$output"
-    # the mass falls from 3 um with v^2 = 2 g s until it touches, above 0; each bounce takes some of its speed
+    # the mass falls from 3 um with v^2 = 2 g s until it touches the contact, above the height 0; each bounce takes some
+    # of its speed
     awk '/mm.s/ { count++
                   fell = sqrt(2 * 9.81 * 3e-6) * 1e3
                   if (count == 1 && (-$3 > fell || -$3 < 0.9 * fell)) exit 1
@@ -167,7 +169,8 @@ small_oscillator() {
     roller scene.yml out/model.h5 again.csv 3 || [ $? -eq 4 ]
     cmp again.csv out/roller.csv
 
-    # Python writes the same bytes and the same message; FMUs take the same steps, but round units
+    # Python writes the same bytes and the same message; FMUs take the same steps, but their conversion of units causes
+    # round-off
     make -C "$BATS_TEST_DIRNAME/../.." -s python VARIANT="$VARIANT" DEPS=no
     run_make out/python.csv "${short[@]}"
     echo "$output"
@@ -177,7 +180,8 @@ small_oscillator() {
         run_make variants "${short[@]}"
         echo "$output"
         [ "$status" -eq 0 ]
-        # trials of a step end within 1e-14 m (1e-8 of the swing); on this coarse grid differences of that size grow
+        # trials of a step end with an error below 1e-14 m (1e-8 of the swing); on this coarse grid, differences of this
+        # size grow
         grep '^out/fmu.csv: ' out/variants.txt | sed 's/.*value://' | tr ',' '\n' |
             awk '{ if (!($NF < 1e-5)) bad = 1 } END { exit bad || NR != 14 }'
     fi

@@ -68,7 +68,7 @@ PYTHON
     close_to "$(number x.h5 step_effect)" "$(number full.h5 step_effect)" 1e-5
     [[ $(h5dump -a settings x.h5) == *"rows (0: all), fallback full"* ]]
     romrun --check x.h5
-    # the time is that of both models
+    # the stored time is the sum of the times of both models
     awk -v whole="$(number x.h5 solve_seconds)" -v full="$(sed -n 's/^solved by .* in \(.*\) ms of these$/\1/p' <<<"$output")" \
         'BEGIN { exit !(whole > full / 1000 && full > 0) }'
 }

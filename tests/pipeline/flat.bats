@@ -1,12 +1,12 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Tests of flat models: they give the same bits as the HDF5 models that they are made from, and damaged ones are
+# Tests of flat models: they give the same bits as the HDF5 models that they are made from, and damaged flat models are
 # refused.
 
 load common
 
 # Makes models of a line contact, coupled and calibrated (c.h5) and independent (i.h5), and of a point contact (p.h5).
-# Exports each as NAME.ehdrom.
+# Exports each model as NAME.ehdrom.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     small_model
@@ -175,7 +175,7 @@ for model, scene in ("c", "line.yml"), ("p", "point.yml"):
         blocks.append((data[at:at + 48].rstrip(b"\0").decode(), at, number, size))
         at += 64 + (number * size + 63) // 64 * 64
     for name, at, number, size in blocks:
-        # single numbers and headers are all tried, of arrays some entries
+        # all single numbers and headers are tried, and some entries of arrays
         places = [at + 48, at + 56] + [at + 64 + 8 * i for i in
                   ([0] if number == 1 else sorted(random.sample(range(number * size // 8), min(2, number * size // 8))))]
         for place in places:

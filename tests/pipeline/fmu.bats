@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Tests of romrun --fmu, with an importer of its own (use_fmu.c) for both versions of FMI.
+# Tests of romrun --fmu. use_fmu.c imports the FMUs with both versions of FMI.
 
 load common
 

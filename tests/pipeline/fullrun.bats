@@ -88,7 +88,8 @@ near(f['largest_shear_stress'][0] * f.attrs['hertz_pressure'], tau[p > 0].max(),
 at = f['x'][:]
 share = numpy.clip(0.5 + (1 - abs(at)) / (at[1] - at[0]), 0, 1)
 near(f['mean_shear_stress'][0] * f.attrs['hertz_pressure'], (tau * share).sum() / share.sum(), 1e-9)
-# the part before the grid, from its boundary node on: 12 eta u (h - h_c)/h^2 with the gap and the far deflection
+# the part of the moment upstream of the grid, from the boundary node on: integrates 12 eta u (h - h_c)/h^2 with the gap
+# and the far deflection
 far = at[0] - (at[1] - at[0])
 y = far * numpy.exp(numpy.linspace(0, 9, 20001))
 gap = f['rigid_approach'][0] + y**2 / 2 - numpy.log(-y) / 2
@@ -221,7 +222,7 @@ PYTHON
     [ "$status" -eq 0 ]
     printf '%s\n' "$output" | sed -n 's/^formula //p' >formulas
     [ "$(wc -l <formulas)" -eq 6 ]
-    # each deviation belongs to its film; this contact lies amid the ranges of all formulas, so none is far off
+    # each deviation belongs to its film; this contact lies amid the ranges of all formulas, so no formula is far off
     awk -v central="$(number r.h5 central_film_thickness)" -v minimum="$(number r.h5 minimum_film_thickness)" '
         { own = 100 * ($3 / ($2 == "central" ? central : minimum) - 1) - $4 }
         own > 0.002 || own < -0.002 || $4 > 25 || $4 < -25 || $5 != "%" { exit 1 }' formulas
@@ -325,7 +326,7 @@ PYTHON
 }
 
 @test "a grid too coarse to estimate its error is exit code 4, and has no step_effect" {
-    # with twice the step there is no solution, or a different one: its films are 6 and 36 % off
+    # with twice the step there is no solution, or a different solution, whose films are 6 and 36 % off
     for place in "0 0.01" "10 0.02"; do
         read -r L step <<<"$place"
         here=(scene.yml --force --set moes.M=1000 --set "moes.L=$L" --set "grid.step=$step" --set grid.x_min=-1.5)
@@ -658,7 +659,7 @@ YAML
         head -c "$part" good.h5 >"cut$part.h5"
     done
     head -c 5000 /dev/urandom >noise.h5
-    # the pressures start somewhere in the file; a flipped bit there is found by the checksum
+    # finds where the pressures are in the file, and flips a bit there; the checksum must show this
     /usr/bin/python3 - <<'PYTHON'
 import h5py
 with h5py.File("good.h5") as file:

@@ -1,7 +1,7 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Tests of grids that a scene leaves out in whole or part. A contact chooses its grid by M and L; a plan has one grid
-# for all of its points; snapshots, bases and models pass their grid on.
+# Tests of scenes that leave out their grid or parts of it. The grid of a contact then follows from M and L; a plan has
+# one grid for all of its points; snapshots, bases and models pass their grid on.
 
 load common
 
@@ -43,7 +43,7 @@ with h5py.File(sys.argv[1]) as file:
 PYTHON
 }
 
-# said FILE: prints these three numbers from the output of a program, and what chose the grid
+# said FILE: prints the same three numbers from the output of a program, and the words that say what chose the grid
 said() {
     sed -nE 's/^grid +([0-9]+).* nodes from ([^ ]+) to [^ ]+ by ([^ ,]+)(, as wide and fine as needed by )?(.*)$/\1 \2 \3 \5/p' "$1"
 }
@@ -65,10 +65,10 @@ deviation() {
         read -r M L <<<"$moes"
         fullrun scene.yml -q --set "moes.M=$M" --set "moes.L=$L" -o "$M.h5" >"$M.txt"
         [ "$(said "$M.txt")" = "$(grid_of "$M.h5") this M and L" ]
-        # the grid is chosen for small effects of inlet and step; their estimates are 1.25 times as large
+        # the grid is chosen for small effects of inlet and step; the estimates are 1.25 times as large as the effects
         larger 2.5e-3 "$(fullrun --print "$M.h5" inlet_effect | tail -n 1)"
         larger 1.25e-3 "$(fullrun --print "$M.h5" step_effect | tail -n 1)"
-        # the settings in the result leave the grid to the contact
+        # the settings in the result contain no grid
         shows_no '^grid' fullrun --print "$M.h5" settings
     done
     read -r _ thick _ <<<"$(grid_of 2.h5)"
@@ -97,7 +97,7 @@ solved() {
     solved line 2000 0
     solved point 0.1 0
     solved point 0.3 25
-    # the exits of thick films lie beyond X = 2; so do those of wide ellipses, beside the contact
+    # the exits of thick films lie beyond X = 2; so do the exits of wide ellipses, beside the contact
     solved ellipse 0.1 10 20
     solved ellipse 3 0 5
     solved ellipse 10 10 10
@@ -116,7 +116,7 @@ solved() {
     [ "$(said out.txt)" = "$(grid_of fine.h5) this M and L" ]
     [ "$(grid_of fine.h5)" = "11201 -1.5 0.0003125" ]
     larger 0.03 "$(fullrun --print fine.h5 step_effect_minimum | tail -n 1)"
-    # a step that the scene gives stays, and so does a chosen step without error estimates
+    # a step that the scene gives is kept, and so is a chosen step if there are no error estimates
     run --separate-stderr fullrun scene.yml "${incompressible[@]}" --set grid.step=0.000625
     [ "$status" -eq 4 ]
     fullrun scene.yml "${incompressible[@]}" --set output.resolution=false >out.txt
@@ -130,7 +130,8 @@ solved() {
 
 # bats test_tags=slow
 @test "progress of a long solution ends with the solution" {
-    # this takes 20 iterations on the finest grid, where eight are usual, and long enough for progress to be shown
+    # this solution takes 20 iterations on the finest grid, where eight are usual, and lasts long enough for progress to
+    # be shown
     fullrun scene.yml --set contact=point --set moes.M=300 --set moes.L=25 --set output.resolution=false \
         --set lubricant.density.law=incompressible --set grid.step=0.015625 2>err.txt >out.txt
     shows_no '999/1000' cat err.txt
@@ -146,12 +147,12 @@ solved() {
     [ "$(grid_of x.h5)" = "351 -5 $step" ]
     fullrun scene.yml --set grid.x_min=-5 --set grid.x_max=1.5 --set grid.step=0.05 -q -o x.h5 --force >out.txt
     [ "$(said out.txt)" = "131 -5 0.05 " ]
-    # the published discretisation has one grid
+    # with the published discretisation, all contacts have the same grid
     for M in 2 18 200; do
         fullrun scene.yml --set discretization=published --set moes.M=$M -q >out.txt
         [ "$(said out.txt)" = "1201 -4 0.005 " ]
     done
-    # a point contact chooses its sides too
+    # for a point contact, the width of the grid (y_max) is chosen too
     fullrun scene.yml --set contact=point --set moes.M=20 -q -o x.h5 --force >out.txt
     [[ $(said out.txt) == *" this M and L" ]]
     /usr/bin/python3 -c "
@@ -177,10 +178,10 @@ assert f['y'][-1] == -f['y'][0] == -0.75 * f['x'][0] and f['x'][1] - f['x'][0] =
     [ "$(said s.txt)" = "$(grid_of s.h5) all points" ]
     read -r _ x_min step <<<"$(grid_of s.h5)"
     [ "$x_min $step" = "$first $least" ]
-    # the grid is not that of the last point alone
+    # the grid of the plan is not the grid of its last point alone
     run ! diff <(grid_of s.h5) <(grid_of point.h5)
     for file in b r m; do [ "$(grid_of $file.h5)" = "$(grid_of s.h5)" ]; done
-    # each piece has the grid of the whole
+    # each shard has the grid of the whole plan
     for piece in 1 2 3; do
         snapgen plan.yml -q --shard $piece/3 -o piece-$piece.h5
         [ "$(grid_of piece-$piece.h5)" = "$(grid_of s.h5)" ]
@@ -237,11 +238,12 @@ YAML
     read -r nodes x_min step <<<"$(grid_of own.h5)"
     romrun --allow-untrusted scene.yml --model m.h5 --set output.fields=true --against own.h5 >out.txt
     grep -qx "against own.h5 (another grid, $nodes nodes from $x_min to 2 by $step: what it does is in the deviations):" out.txt
-    # the deviation is within a fifth of the effect of the shorter inlet, as fullrun estimates it
+    # the deviation agrees within a fifth with the effect of the shorter inlet that fullrun estimates
     inlet() { fullrun --print "$1" inlet_effect | tail -n 1; }
     awk -v found="$(deviation "central film thickness")" -v own="$(inlet own.h5)" -v full="$(inlet full.h5)" \
         'BEGIN { expected = 1000 * (own - full); exit !(found > 0.8 * expected && found < 1.2 * expected) }'
-    # a grid with another step is interpolated: the differences are those of films, and of the pressure where it bends
+    # a result with another step is interpolated: this causes small errors of the film, and larger errors of the
+    # pressure where the pressure curve bends
     read -r _ x_min _ <<<"$(grid_of m.h5)"
     fullrun scene.yml -q --set grid.step=0.016 --set "grid.x_min=$x_min" --set grid.x_max=2 -o fine.h5
     romrun --allow-untrusted scene.yml --model m.h5 --set output.fields=true --against fine.h5 >out.txt
@@ -250,7 +252,7 @@ YAML
     larger "$(largest film)" 0
     larger 5e-5 "$(largest film)"
     larger 2e-3 "$(largest pressure)"
-    # another discretisation on the same nodes is named
+    # the output names another discretisation on the same nodes
     fullrun scene.yml -q --set discretization=published --set "grid.x_min=$(grid_of m.h5 | cut -d' ' -f2)" \
         --set grid.step=0.02 -o published.h5
     romrun --allow-untrusted scene.yml --model m.h5 --against published.h5 >out.txt
@@ -296,10 +298,10 @@ YAML
     sed -e 's/M: 18/M: 20/' -e '$d' time.yml >light.yml
     echo 'transient: {load: {law: ramp, from: 1, to: 0.05, start: 1, duration: 8}, end_time: 12}' >>light.yml
     fullrun light.yml -q -o light.h5 >out.txt
-    [ "$(said out.txt | cut -d' ' -f2)" = -12 ] # half of what M = 1 needs
+    [ "$(said out.txt | cut -d' ' -f2)" = -12 ] # half of the inlet that M = 1 needs
     run -4 fullrun light.yml --set grid.x_min=-4 -q -o short.h5
     [[ $output == *"light.yml: found an inlet too short for the contact at this time (grid.x_min), first at T = "* ]]
-    # a load of 1/20 is M = 1; films of both in units of the reference
+    # 1/20 of the load is a contact with M = 1; both films are compared in units of the reference
     sed 's/transient$/stationary/; s/^transient: .*//; s/M: 20/M: 1/' light.yml >still.yml
     fullrun still.yml -q -o still.h5
     /usr/bin/python3 - <<'PYTHON'

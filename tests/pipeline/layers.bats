@@ -51,8 +51,8 @@ sources() {
     done
 }
 
-# A program with such functions ends before main in a thread-sanitizer build (CONTRIBUTING.md). The shared object of
-# FMUs is no part of a program, and chooses functions in one place.
+# In a thread-sanitizer build, a program with functions that are chosen while it is loaded ends before main
+# (CONTRIBUTING.md). The shared object of FMUs is no part of a program, and chooses functions in one place.
 @test "no function is chosen while a program is loaded" {
     run grep -nE 'target_clones|\<ifunc\>' $(sources | grep -v '^romrun/fmu/processor.c$')
     [ "$status" -eq 1 ]

@@ -106,7 +106,7 @@ refused() {
     [ "$(value hdf5)" -eq 0 ]
     [ "$(grep -v hdf5 <<<"$output")" = "$found" ]
 
-    # without the plug-in the library still reads flat models
+    # without the plug-in, the library still reads flat models
     mkdir without && cp "$prefix/lib/libehdrom.so.0" without
     run -0 --separate-stderr env LD_LIBRARY_PATH="$PWD/without" "$BATS_FILE_TMPDIR/use_shared" loaded m.ehdrom scene.yml
     [ "$(grep -v hdf5 <<<"$output")" = "$found" ]
@@ -131,7 +131,7 @@ refused() {
 # bats test_tags=slow
 @test "a program may be static altogether, by what pkg-config --static says" {
     outside
-    # HDF5 as in Debian 13 has a driver for remote files that the rest refers to
+    # in HDF5 of Debian 13, the rest of the library refers to a driver for remote files
     run nm -A "/usr/lib/$(gcc -print-multiarch)/libhdf5_serial.a"
     [[ $output != *"U H5FD_ros3_init"* ]] || skip "this HDF5 needs curl, whose static library is not whole"
     # shellcheck disable=SC2046
@@ -197,7 +197,7 @@ import sys, h5py
 largest, peak = map(float, sys.argv[1:])
 with h5py.File("r.h5") as file:
     assert largest == file["pressure"][...].max(), largest
-# the two sum the modes in different orders
+# program and library sum the modes in different orders
 assert 0.99 * largest < peak <= largest * (1 + 1e-15), (peak, largest)
 PYTHON
     done
@@ -388,7 +388,7 @@ model = ehdrom.Model("m.h5")
 contact = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 result = contact.solve()
 
-# each call of two threads at a time has a result or is refused, and never harms the other
+# if two threads call at the same time, each call returns a result or is refused, and does not harm the other call
 answers, refusals, ready = [], [], threading.Barrier(2)
 def work():
     ready.wait()
@@ -453,7 +453,7 @@ model.close()
 assert contact.solve().central_film_thickness == result.central_film_thickness
 for wrong in (inner.solve, inner.save, lambda: inner["physical.load"], lambda: ehdrom.Contact(model)):
     raises(ehdrom.Error, "found it closed, expected it open", wrong)
-# contacts and models may also be left to Python, whichever it frees first
+# contacts and models that are not closed are freed by Python, in any order
 for i in range(20):
     ehdrom.Contact(ehdrom.Model("m.h5"), "si.yml", accuracy=math.inf).solve()
 PYTHON
@@ -503,7 +503,7 @@ for wrong in (lambda: ehdrom.Model("none.h5"), lambda: contact.__setitem__("phys
     else:
         raise AssertionError("nothing raised")
 
-# settings are read back: the bits of numbers, choices, flags, and unset keys
+# settings are read back as they were set: numbers to the last bit, choices, flags, and unset keys
 contact["physical.load"], contact["output.fields"], contact["grid.step"] = 0.1 + 20e3, False, None
 assert contact["physical.load"] == 0.1 + 20e3 and contact["lubricant.viscosity.law"] == "barus"
 assert contact["output.fields"] is False and contact["grid.step"] is None and contact["contact"] == "line"
@@ -660,7 +660,7 @@ faster = solved.differentiate(speed=1, approach=0)
 assert faster.load > 0 and abs(faster.approach) < 1e-9 * abs(by_load.approach * faster.load)
 response = solved.respond()
 assert abs(response["stiffness"] / -by_approach.load - 1) < 1e-9
-solved["approach_length"] = 20  # a line contact held from farther off has a larger compliance
+solved["approach_length"] = 20  # measured over a larger length, a line contact has a larger compliance
 solved.solve()
 assert 0 < solved.respond()["stiffness"] < 0.95 * response["stiffness"]
 # a start away from the reference has the derivatives of the solution there

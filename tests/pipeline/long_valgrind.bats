@@ -1,6 +1,7 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Runs the small pipeline under valgrind: no read of uninitialised memory, no access beyond an array, no leak.
+# Runs the small pipeline under valgrind, which must find no read of uninitialised memory, no access beyond an array and
+# no leak.
 
 load common
 
@@ -15,7 +16,8 @@ groups:
 YAML
 }
 
-# checked CODE COMMAND...: checks the exit code, and that valgrind reports nothing. Exit code 99 is valgrind's.
+# checked CODE COMMAND...: checks the exit code, and that valgrind reports nothing. With exit code 99 valgrind reports
+# an error.
 checked() {
     local code=$1
     shift

@@ -75,7 +75,8 @@ with h5py.File('d.h5') as d:
 # bats test_tags=slow
 @test "rows from HDF5 that cannot be are refused" {
     deimselect --no-check r.h5 --basis b.h5 -o m.h5
-    # bad PATTERN CODE: checks that rows and weights changed by the code are refused; it sees them as `row` and `weight`
+    # bad PATTERN CODE: checks that rows and weights changed by CODE are refused; in CODE they are called `row` and
+    # `weight`
     bad() {
         python "
 row, weight = m['selected_row'].astype(float), m['row_factor']
@@ -136,7 +137,7 @@ with h5py.File('rows.h5', 'w') as f:
 
 # ---- a model written from the schema page alone
 
-# same_model A B: checks that B has what romrun needs of a model as A has it, up to round-off
+# same_model A B: checks that all items of a model that romrun needs are equal in A and B, up to round-off
 same_model() {
     /usr/bin/python3 - "$1" "$2" <<'PYTHON'
 import sys, h5py, numpy

@@ -140,7 +140,7 @@ PYTHON
 }
 
 @test "in time a contact passes from one model to the other without a jump" {
-    # if the second model took over the last state and not the base of its path, its film would be 1e-3 off
+    # the second model must take over the base of the path; with the last state instead, its film would be 1e-3 off
     for case in "0.12 1e-5" "0.25 1e-4"; do
         set=(--set "transient.load.amplitude=${case% *}" --quiet --force)
         fullrun moving.yml "${set[@]}" -o full.h5 >/dev/null
@@ -153,7 +153,7 @@ assert off.max() < float(sys.argv[1]), off.max()
 assert (parts["indicated_deviation"][...] > off).all()
 PYTHON
     done
-    # a history that leaves the range of either model lies in that of the list
+    # a history that leaves the range of each single model lies in the range of the list
     set=(--set transient.load.amplitude=0.12 --quiet --force)
     romrun moving.yml "${set[@]}" --model in-time.yml >/dev/null
     for name in light heavy; do
@@ -238,7 +238,7 @@ PYTHON
     read -r nodes_high b <<<"$(awk '/^18-40/ { print $2, $3 }' out-lubricants/costs.txt)"
     [ "$nodes_low" -lt "$nodes_high" ] # each part has the grid that it needs
     grep -q "^list  *$((a + b)) " out-lubricants/costs.txt
-    # the list solves all scenes, with no wrong result that is not flagged; each part solves some scenes
+    # the list solves all scenes, each wrong result is flagged, and each part solves some scenes
     table=out-lubricants/draw-1-40.txt
     low=$(awk '/^10-22/ { print $2 }' $table) high=$(awk '/^18-40/ { print $2 }' $table)
     [ "$low" -gt 5 ] && [ "$high" -gt 5 ] && [ $((low + high)) -eq 40 ]
@@ -275,7 +275,7 @@ PYTHON
     sed 's/step: [0-9.]*/step: 0.1/' fine.yml >base.yml
     part coarse "4, 6, 9, 12, 15" "10, 14"
     echo 'models: [coarse.h5, high.h5]' >grids.yml
-    # a scene that leaves the grid to the model has the grid of the part that solves it
+    # a scene without a grid gets the grid of the part that solves the scene
     sed '/^grid/d' fine.yml >base.yml
     for case in "9 coarse" "14.5 high" "21 high"; do
         read -r moes_M name <<<"$case"
@@ -304,7 +304,7 @@ PYTHON
     # the other part is larger
     romrun base.yml --set moes.M=40 --set moes.L=4 --model grids.yml --fallback full --quiet -o far.h5 >far.txt
     grep -q '^solved by  *the full model' far.txt && grep -q '^grid  *121 nodes' far.txt
-    # in time all parts need one grid
+    # for a transient contact, all parts must have the same grid
     for model in grids.yml grids.ehdrom; do
         refused 65 "found 121 nodes from -4 in steps of 0.05, expected for contacts in time the grid of .*, 61 from -4 in steps of 0.1" \
             romrun moving.yml --model $model

@@ -55,7 +55,7 @@ PYTHON
     fullrun scene.yml --set grid.half=false --start half.h5 -o whole.h5
     fullrun scene.yml --start whole.h5 -o again.h5
     for file in whole.h5 again.h5; do
-        # one iteration is needed at least, because it decides on the exit
+        # at least one iteration is needed, because the iteration decides on the exit
         [ "$(number $file newton_iterations)" = 1.0 ]
         close_to "$(number $file central_film_thickness)" \
             "$(number half.h5 central_film_thickness)" 1e-9

@@ -81,7 +81,7 @@ blocks = [block.splitlines() for block in "\n".join(lines).split("\n\n")]
 x, y, pressure = np.array([[line.split(",") for line in block] for block in blocks], dtype=float).transpose(2, 0, 1)
 assert header == "x,y,pressure" and len(blocks) == 33
 assert np.all(x == x[0]) and np.all(np.diff(x) > 0) and np.all(y == y[:, :1]) and np.all(np.diff(y[:, 0]) > 0)
-# half of the pressure lies within the contact, on the lines through its middle
+# on the lines through the middle of the contact, the places where P = 0.5 lie within the contact
 for least, place, values in (0.5, x[16], pressure[16]), (0.5, y[:, 20], pressure[:, 20]):
     top = np.argmax(values)
     ends = np.interp(0.5, values[:top], place[:top]), np.interp(0.5, values[:top:-1], place[:top:-1])

@@ -196,7 +196,7 @@ without_cubature() {
         close_to "$(number red.h5 $name)" "$(number old-red.h5 $name)" 5e-4
     done
     close_to "$(number red.h5 largest_shear_stress)" "$(number old-red.h5 largest_shear_stress)" 5e-3
-    # moments are exact: they are linear, and an even kernel does no net work
+    # moments are exact, because they are linear in the pressure and an even kernel does no net work
     for name in rolling_moment rolling_resistance; do
         close_to "$(number red.h5 $name)" "$(number old-red.h5 $name)" 1e-9
     done
@@ -212,7 +212,7 @@ without_cubature() {
     for name in friction_force mean_shear_stress largest_shear_stress rolling_moment; do
         [ "$(number flat.h5 $name)" = "$(number red.h5 $name)" ]
     done
-    # the few nodes suit every size of the model
+    # the few nodes are accurate for every size of the model
     for part in "--rows 14" "--pressure-modes 8 --rows 13"; do
         romrun sliding.yml --model m.h5 --allow-untrusted -o red.h5 --quiet --force $part
         romrun sliding.yml --model old.h5 --allow-untrusted -o old-red.h5 --quiet --force $part
@@ -312,7 +312,7 @@ with h5py.File('other.h5', 'r+') as f: f['cubature_friction'][3] *= 2"
         romrun scene.yml --model m.h5 --rows 1000 -o x.h5
 }
 
-# Method joint is greedy: a selection of fewer rows is the beginning of a larger one, with weights of its own.
+# Method joint is greedy: a selection of fewer rows is the beginning of a larger selection, but has weights of its own.
 # bats test_tags=slow
 @test "the first rows of a model weigh as if selected alone" {
     run --separate-stderr deimselect --no-check r.h5 --basis b.h5 -o few.h5 --rows 14
@@ -321,7 +321,8 @@ with h5py.File('other.h5', 'r+') as f: f['cubature_friction'][3] *= 2"
     romrun --allow-untrusted scene.yml --model m.h5 --rows 14 -o red.h5
     close_to "$(number red.h5 central_film_thickness)" \
         "$(number few-red.h5 central_film_thickness)" 1e-12
-    # the weights of all rows differ; a file without row_jacobian_modes has only these
+    # the weights of the larger selection differ; a file without row_jacobian_modes has only the weights of the larger
+    # selection
     patch m.h5 "del f['row_jacobian_modes']"
     romrun --allow-untrusted scene.yml --model bad.h5 --rows 14 -o old-red.h5
     far_from "$(number old-red.h5 central_film_thickness)" \
@@ -458,10 +459,10 @@ assert len(set(h5py.File('fr.h5')['iteration_state'][...])) == 8 - $lost"
         deimselect r.h5 --basis fb.h5 -o x.h5
     refuse 65 "found a line contact with 151 nodes .*with 121 .*as in m.h5" \
         romrun scene.yml --model m.h5 -o x.h5 --set grid.step=0.04
-    # this grid has as many nodes, at other places
+    # this grid has the same number of nodes, at other places
     refuse 65 "found a line contact with 121 nodes from -3.95 .*as in m.h5" \
         romrun scene.yml --model m.h5 -o x.h5 --set grid.x_min=-3.95 --set grid.x_max=2.05
-    # far outside of the training the message has this reason, not where the iteration failed
+    # far outside of the training, the message gives this as the reason, not the place where the iteration failed
     run -3 --separate-stderr romrun scene.yml --model m.h5 --set moes.M=300
     [[ $stderr == "romrun: scene.yml: found outside of the trained range of M and alpha p_H: "*", expected convergence" ]]
     # a contact of another kind is refused before its millions of nodes are made

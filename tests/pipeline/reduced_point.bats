@@ -109,7 +109,7 @@ stability() {
     rows=$(sed -n 's/ rows of .*//p' log)
     awk -v of="$(sed -n 's/^stability: \([^ ]*\).*/\1/p' log)" 'BEGIN { exit !(of <= 3) }'
     awk -v of="$(stability exits $((rows - 1)))" 'BEGIN { exit !(of > 3) }'
-    # method exits selects rows for the exits and is more stable there than qr, which ignores them
+    # method exits selects rows for the exits and is more stable there than method qr, which ignores the exits
     awk -v exits="$(stability exits 24)" -v qr="$(stability qr 24)" 'BEGIN { exit !(exits < qr) }'
 }
 
@@ -127,7 +127,8 @@ stability() {
             echo "$output"
             [ "$status" -eq 0 ] || [ "$status" -eq 2 ]
         done
-        # with all modes of the training the model repeats it; with fewer deformation modes the film is less accurate
+        # with all modes of the training the model repeats the training solution; with fewer deformation modes the film
+        # is less accurate
         set -- "$@" --set moes.M=11 --set moes.L=4.5
         fullrun scene.yml -o full.h5 --force "$@"
         romrun --allow-untrusted scene.yml --model im.h5 -o rom.h5 --force "$@"

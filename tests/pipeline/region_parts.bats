@@ -41,7 +41,7 @@ solves() {
     while read -r plan _; do
         run --separate-stderr snapgen "$plan" --adaptive --max-points 4 --start 4 -o "$plan.h5" --quiet
         [ "$status" -eq 0 ]
-        # each part has as many candidates as the whole region, to a fifth
+        # each part has as many candidates as the whole region, within a fifth
         [[ $output =~ ^"4 points of "([0-9]+)"," ]]
         ((BASH_REMATCH[1] > 96 && BASH_REMATCH[1] < 144))
     done <list.txt
@@ -72,7 +72,7 @@ solves() {
     echo "$output"
     [ "$status" -eq 0 ]
     [ "$(grep -c '^  parts      2 of the region, along M: 6 to .*, .* to 24$' <<<"$output")" -eq 1 ]
-    # the stages are first the trainings, then the models
+    # the trainings of all parts are the first stages, then the models follow
     grep -q "stage 1 of 10" <<<"$output"
     grep -q "stage 10 of 10, about 0 s in all" <<<"$output"
     [ "$(tail -n 1 <<<"$output")" = "model: $PWD/out/model.yml" ]
@@ -87,7 +87,7 @@ solves() {
     romrun --fmu si.yml --model out/model.yml -o contact.fmu
     romrun --export out/model.yml -o model.ehdrom
     romrun --check model.ehdrom
-    # a lost part is made again, and the other part is not
+    # a part that is lost is made again, and the other part is not
     rm out/M-6-*/model.h5
     run train ACCURACY=1e-2 SPLIT=2
     [ "$(grep -c deimselect <<<"$(grep '^  ' <<<"$output")")" -eq 1 ]

@@ -117,8 +117,8 @@ makes_nothing() {
     run_make effects HISTORIES='soft speed' TOLERANCES=1.5e-3 TRUTH_STEP=0.01
     [ "$status" -eq 0 ]
     [ "$(head -c 4 out/effects.png | tail -c 3)" = PNG ]
-    # the tolerance is met within a factor 3, and the estimate is right within 4, on a grid four times as coarse as
-    # usual
+    # on a grid four times as coarse as usual, the tolerance is met within a factor of 3, and the estimate is right
+    # within a factor of 4
     awk '/ central / && /1.5e-3/ { n++; for (i = 1; i <= NF; i++) if ($i == "central") { true = $(i + 1); told = $(i + 3) }
              if (!($NF < 3 && $NF > 1 / 3 && told < 4 * true && true < 4 * told)) bad = 1 }
          END { exit bad || n != 2 }' out/effects.txt
@@ -154,8 +154,7 @@ small_transient() {
         [ "$(head -c 4 out/$picture.png | tail -c 3)" = PNG ]
         grep -q '</svg>' out/$picture.svg
     done
-    # the profile has all nodes, and the pressure of its time in the frame of that time: p_H grows with the root of the
-    # load
+    # the profile has all nodes, and its pressure is scaled with p_H of its time, which grows with the root of the load
     run -0 python 'x, P, H = results.profile("out/profile-full.h5"); run = results.read_trajectory("out/full/fixed-1.h5")
 now = abs(run.time - 0.15).argmin()
 print(len(x), P[abs(x).argmin()], run.P_c[now] / run.load[now] ** 0.5)'
@@ -176,7 +175,7 @@ print(trajectories.largest(*(results.read_trajectory(f"out/{kind}/fixed-2.h5") f
 # bats test_tags=slow
 @test "the transient load: distances from the truth, of a period that was not trained too" {
     small_transient
-    # transport is along the path, up to a time when entering film has reached the centre
+    # the films are carried along their paths, until a film that entered after the start has reached the centre
     sed -i 's/0.2,0.005/1.5,0.01/' cases.csv
     sed -i 's/end_time: .*/end_time: 1.5/' scene.yml
     small=(model.PRESSURE_MODES=60 model.ROWS=100 SNAPGEN_OPTIONS='--jobs 1' SET='--set discretization=accurate')
@@ -191,7 +190,8 @@ print(trajectories.largest(*(results.read_trajectory(f"out/{kind}/fixed-2.h5") f
          $2 == "full" { if (NF != 10) bad = 1 }
          $2 == "model" { if (NF != 12 || !($11 > 0 && $12 > 0)) bad = 1 }
          END { exit bad || lines["0.5"] != 5 || lines["0.75"] != 5 }' out*/distances.txt
-    # transport along the path with half of the step is nearer to the extrapolated published rows than these rows are
+    # a run with transport along the path and half of the step is nearer to the extrapolated result of the published
+    # rows than the published rows themselves
     run_make confirm "${small[@]}" CONFIRM_CASE=2
     echo "$output"
     [ "$status" -eq 0 ]

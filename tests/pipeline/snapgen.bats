@@ -157,7 +157,7 @@ YAML
     refused 65 "where.yml: where: found all 4 points outside" snapgen where.yml -o t.h5
     [ ! -e t.h5 ]
     [ ! -e t.h5.partial ]
-    # bounds on M keep 10 and leave out 1000
+    # bounds on M keep M = 10 and leave out M = 1000
     sed -i 's/alpha_p_H: .*/moes_M: [5, 500]}/; s/3, 20/3, 5/' where.yml
     run -0 --separate-stderr snapgen where.yml -o m.h5
     [[ $stderr == *"2 of 4 points lie outside of the bounds"* ]]
@@ -218,8 +218,8 @@ YAML
     same_data whole.h5 s.h5
 }
 
-# partial_of FILE PYTHON: makes s.h5.partial, the file of a run that was killed when all of FILE was written. The code
-# changes it as `f`.
+# partial_of FILE PYTHON: makes s.h5.partial, as left by a run that was killed after it had written all of FILE. The
+# code PYTHON changes this file as `f`.
 partial_of() {
     patch "$1" "f.attrs['complete'] = numpy.int64(0)
     $2"

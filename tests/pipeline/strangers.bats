@@ -101,7 +101,7 @@ with h5py.File('other.h5', 'w') as f: f['time'], f['g'] = numpy.array([0, 0.5, 1
             if axis not in axes: continue
             shape = [length if a == axis else l for a, l in zip(axes, f[n].shape)]
             t = f[n].dtype; del f[n]; f.create_dataset(n, shape, t, **how)
-        # deletes the lists of places in deleted datasets, where others may lie now
+        # deletes the lists of references to deleted datasets, because new datasets may lie at their addresses now
         for n in f:
             if 'REFERENCE_LIST' in f[n].attrs: del f[n].attrs['REFERENCE_LIST']
     "

@@ -4,7 +4,7 @@
 
 load common
 
-# Solves 48 points of a line contact into one file and into three, and trajectories of it.
+# Solves 48 points of a line contact into one file and into three files, and some trajectories of the contact.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     common_setup_small
@@ -31,9 +31,9 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-# compare BASIS SNAPSHOTS...: checks that the basis leaves out no more energy than it states, and states at most 1e-13.
-# If all snapshots are one block, it leaves out as much as it states, up to round-off. Its states must be those of the
-# snapshots, in order.
+# compare BASIS SNAPSHOTS...: checks that the basis leaves out no more energy than it states, and that it states at most
+# 1e-13. If all snapshots are in one block, it leaves out as much as it states, up to round-off. The states of the basis
+# must be the states of the snapshots, in the same order.
 compare() {
     /usr/bin/python3 - "$@" <<'PY'
 import h5py, numpy, os, sys
@@ -48,7 +48,7 @@ left_out = ((rows - rows @ v.T @ v) ** 2).sum() / (rows**2).sum()
 said = b.attrs["pressure_energy_discarded"]
 print("left out", left_out, "at most", said)
 assert 0 < left_out <= said * (1 + 1e-9) and said <= 1e-13
-# coordinates of states in parts are exact but for the energy that the parts left out
+# the coordinates of states in parts are exact, except for the energy that the parts left out
 difference = abs(b["state_pressure"][...] - states @ v.T).max()
 print("coordinates differ by", difference)
 assert difference < float(os.environ.get("WITHIN", 1e-12))

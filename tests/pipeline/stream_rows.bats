@@ -5,8 +5,8 @@
 load common
 
 # Makes b.h5 and r.h5, a basis of 16 points of a line contact and their residuals.
-# many.h5 has 4000 more iterations that mix these, with noise, so that the directions do not end.
-# model.h5 has the rows selected from them at once.
+# many.h5 has 4000 more iterations, which are mixtures of these with noise, so that each brings new directions.
+# model.h5 has the rows that are selected from many.h5 in one piece.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     common_setup_small
@@ -28,8 +28,8 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-# mix FILE NOISE: writes 4000 mixtures of the iterations of r.h5, with noise of this share of their norm, and then the
-# iterations
+# mix FILE NOISE: writes 4000 mixtures of the iterations of r.h5, and then these iterations. NOISE is the norm of the
+# noise in the mixtures, relative to the norm of the mixtures.
 mix() {
     /usr/bin/python3 - "$@" <<'PY'
 import h5py, numpy, shutil, sys

@@ -83,7 +83,7 @@ setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
     cmp out/test-3-24/plan.yml again/plan.yml
     study draw again 4 24 ../stationary-line/out-accurate/model.h5 ../stationary-line/scene.yml
     run -1 cmp -s out/test-3-24/plan.yml again/plan.yml
-    # loads and speeds lie in the region; they are drawn in turn uniformly and uniformly in the logarithm
+    # loads and speeds lie in the region; they are drawn alternately from a uniform and from a logarithmic distribution
     study training roller roller
     study draw drawn 5 60 none roller/scene.yml region
     grep -q '^physical: {load: .*, speed: ' drawn/scene-1.yml
@@ -110,7 +110,7 @@ fields,full_central,full_minimum,full_friction_coefficient,full_rolling_resistan
     [[ $output == *"rolling resistance off by more than that, not flagged: 0 of 1; the worst 0 times"* ]]
     [[ $output == *"inside, central film: 0 of 3 below 1, least 2, median 4, 95 % 18"* ]]
     [[ $output == *"inside, minimum film: 1 of 1 below 1, least 0.5, median 0.5, 95 % 0.5"* ]]
-    # a profile shifted by less than a node is accepted as equal, one with a spike elsewhere is not
+    # a profile shifted by less than a node is accepted as equal, a profile with a spike elsewhere is not
     PYTHONPATH=../../lib:. /usr/bin/python3 -B -c "
 import numpy, study
 a = numpy.array([0, 1, 5, 2, 1, 0.]); b = numpy.array([0, 0.5, 4, 5, 1, 0.])
@@ -120,7 +120,7 @@ assert study.beyond_neighbours(a, b) == 2
 assert study.beyond_neighbours(numpy.outer(a, a), numpy.outer(b, b)) > 2"
     run_make $small
     [[ $status == 0 && $output != *"  calibrate "* && $output != *"  romrun "* ]]
-    # another model has scenes drawn anew, also a model that is older than the scenes drawn for this one
+    # for another model, scenes are drawn anew, even if this model is older than the scenes of the first model
     cp ../stationary-line/out-accurate/model.h5 older.h5
     touch -d 2000-01-01 older.h5
     run_make -n $small MODEL=older.h5

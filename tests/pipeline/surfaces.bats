@@ -19,7 +19,7 @@ def deeper(name, depth):
         film = file["film_thickness"][:, line] * file.attrs["film_unit"]
         return file["time"][...], file["x"][...], file["surface_position"][...], (film - film[0]) / depth
 
-# rolling: the lubricant in the dimple stays in it, since so viscous a fluid moves with the surfaces only
+# rolling: the lubricant in the dimple stays there, since so viscous a fluid moves only with the surfaces
 _, x, place, more = deeper("ssr0", 175e-9)
 moments = [k for k in numpy.where(abs(place) < 0.7)[0] if abs(x - place[k]).min() < 0.01] # its middle is at a node
 left = [more[k, abs(x - place[k]).argmin()] for k in moments]
@@ -67,8 +67,8 @@ for contact, M, L, wavelengths, step in ("line", 100, 11, (2, 1, 0.5, 0.25), 0.0
     study.waviness("out", 0.1, "--set", f"grid.step={step}", "--set", f"transient.fixed_step={step}")
 PYTHON
     cat table
-    # remaining amplitudes: of lines near the values that Venner et al. (1997) computed, of circles near the fit of
-    # Venner and Lubrecht (2000); the shorter the waves, the larger
+    # the remaining amplitudes of lines are near the values that Venner et al. (1997) computed, and those of circles are
+    # near the fit of Venner and Lubrecht (2000). They are larger for shorter waves
     awk '$1 == "line" { off = $11; most = 5 } $1 == "point" { off = $8; most = 10 }
          $1 == "line" || $1 == "point" {
              found++

@@ -167,7 +167,7 @@ VALUES
     told "a flow that is thinned less than any in training" plan.h5 --set slide_roll=0.05 --set lubricant.shear.tau0=1e7
     told "a flow that is thinned more than any in training" plan.h5 --set lubricant.shear.tau0=5e5
     told "a flow that is thinned more than any in training" newton.h5
-    # the flow is thinned as much as at other loads
+    # at other loads of the training, the flow is thinned as much as here
     told "outside of the trained range of M, alpha p_H and thinning" plan.h5 --set physical.load=6.1e4 \
         --set physical.speed=0.98 --set slide_roll=0.08 --set lubricant.shear.tau0=3.3e6
     # a model of an earlier version has no thinning in its training

@@ -42,7 +42,7 @@ film() { /usr/bin/python3 -c 'import json, sys; print(json.load(open(sys.argv[1]
     [ "$(awk -F, '$1 == "reduced" && $4 == 4' "$out"/trade.csv | wc -l)" -eq "$(sizes)" ]
     [ "$(awk -F, '$6 == "" && $1 != "truth" || NF != 12' "$out"/trade.csv | wc -l)" -eq 0 ]
 
-    # the deviation of the reference is 0, that of another start is round-off
+    # the deviation of the reference is 0, and the deviation with another start is round-off
     [ "$(value "full cold" "step 1 times tolerance 1e-10" 6)" = 0 ]
     awk -v a="$(value "full from reduced" "step 1 times tolerance 1e-10" 6)" 'BEGIN { exit !(a != "" && a < 1e-9) }'
     # the reference deviates from the truth by the effect of its inlet, which its own estimate shows; a longer inlet is
@@ -128,7 +128,7 @@ inlet" ]
     awk -v fine="$(true_of "1 times tolerance 1.5e-3")" -v rough="$(true_of "1 times tolerance 1.5e-2")" \
         -v coarse="$(true_of "2 times tolerance 1.5e-3")" -v published="$(value "full published" "rows as published tolerance 1e-4" 10)" \
         'BEGIN { exit !(0 < fine && fine < rough && fine < coarse && fine < published) }'
-    # solutions on twice the step are near the truth, which is the reference of that column
+    # solutions with twice the step are near the solution that is called truth, the reference of this column
     [ "$(value truth "step 0.5 times fixed steps 0.0025" 10)" = 0 ]
     awk -v twice="$(value truth "step 1 times fixed steps 0.005" 10)" -v rough="$(true_of "1 times tolerance 1.5e-2")" \
         -v coarse="$(true_of "2 times tolerance 1.5e-3")" 'BEGIN { exit !(0 < twice && twice < rough && twice < coarse / 2) }'

@@ -32,7 +32,7 @@ YAML
     [[ $output == *"T = 0 to 1 in 54 steps"* ]]
     [ ! -e result.h5.partial ]
     fullrun --check result.h5
-    # the start is the stationary solution, except that in time the exit is at a node
+    # the start is the stationary solution, except that the exit of a transient solution is at a node
     (cat base.yml && echo 'moes: {M: 14, L: 4}') >still.yml
     fullrun still.yml -o still.h5
     close_to "$(number result.h5 central_film_thickness)" \
@@ -41,7 +41,7 @@ YAML
 import h5py, numpy
 with h5py.File("result.h5") as file:
     time, load = file["time"][...], file["load"][...]
-    # the first steps grow to the fixed one
+    # the first steps grow to the fixed step
     assert numpy.allclose(time[:5], numpy.cumsum([0, 0.0025, 0.005, 0.00625, 0.00625]), rtol=1e-12)
     numpy.testing.assert_allclose(time[7:], 0.02 * numpy.arange(3, 51), rtol=1e-12)
     assert abs(file["time_effect"][...]).max() < 3e-3 and file["time_effect"][0] == 0
@@ -160,7 +160,7 @@ with h5py.File("none.h5") as none, h5py.File("little.h5") as little:
     given = numpy.interp(time, [1, 3, 5, 7], [1, 0, 0, 1])
     numpy.testing.assert_allclose(load[~apart], given[~apart], rtol=1e-8)
     assert given[apart].max() < 0.01  # contacts with a smaller load are left out
-    # soon the entrained film is the same
+    # soon after the bodies touch again, the entrained film is the same
     after = time > 5.8
     other = numpy.interp(time[after], little["time"], little["central_film_thickness"])
     assert abs(film[after] / other - 1).max() < 0.01
@@ -177,7 +177,7 @@ import h5py, numpy
 with h5py.File("jump.h5") as file:
     time, load = file["time"][...], file["load"][...]
     assert ((time > 2) & (time < 3)).sum() > 20  # the fall is resolved
-    assert len(time) < 3000  # steps are not as short as the distance of the rows
+    assert len(time) < 3000  # steps are not as short as the time between two rows of the table
     assert not load[(time >= 3) & (time < 5)].any() and abs(load[-1] - 1) < 1e-6
 PYTHON
 }
@@ -192,7 +192,7 @@ with h5py.File("apart.h5") as file:
     load, film, approach = (file[n][...] for n in ("load", "central_film_thickness", "rigid_approach"))
     apart = load == 0
     first, last = numpy.flatnonzero(apart)[[0, -1]]
-    assert apart[first:last + 1].all()  # once
+    assert apart[first:last + 1].all()  # the bodies part only once
     assert load.min() == 0 and load[first - 1] < 0.01 and load[last + 1] < 0.05
     numpy.testing.assert_allclose(film[apart], approach[apart], rtol=1e-12)
     assert approach.max() > 0.5
@@ -455,7 +455,7 @@ bad_table() {
     printf 'time,load\n0,1\n0.5,nan\n2,1\n' | bad_table "table.csv:.*nan"
     printf 'time,load\n0,1\n0.5,1e999\n2,1\n' | bad_table "table.csv:.*1e999"
     printf 'time,load\n0,1\n0.5,x\n2,1\n' | bad_table "table.csv:.*x"
-    # columns are found by their names, in any order
+    # columns are found by their names, whatever their order
     printf ',"load",T\r\n0,1,0\r\n1,1.1,0.5\r\n2,1,2\r\n' >table.csv
     fullrun good.yml -o named.h5 --quiet
     scalars_equal good.h5 named.h5
@@ -636,7 +636,7 @@ long_scene() {
     refused 73 "r.h5.partial: found an interrupted run with a restart slot, expected --resume .* --force" \
         fullrun long.yml -o r.h5
     cmp r.h5.partial before
-    # a scene that differs, if only in its end, does not continue the run
+    # a scene with another setting, even if only the end time differs, does not continue the run
     refused 65 "r.h5.partial" fullrun long.yml -o r.h5 --resume --set transient.end_time=41
     run --separate-stderr fullrun long.yml -o r.h5 --resume
     [ "$status" -eq 0 ]
@@ -853,7 +853,7 @@ PYTHON
     refused 65 "transient.speed: found -1 at T = 0.75, expected at least 0 with a reduced model, which is of one direction" \
         romrun scene.yml --model m.h5 -o z.h5 --set transient.speed.law=sine --set transient.speed.mean=0 \
         --set transient.speed.amplitude=1 --set transient.speed.period=1
-    # a basis has one transport, and so has a plan
+    # a basis has one value of `transport`, and so has a plan
     snapgen upwind-plan.yml -o u.h5 --quiet
     refused 65 "u.h5: transport: found upwind, expected path, as in s.h5" podbuild s.h5 u.h5 -o x2.h5
     printf '  - scene: scene.yml\n' >>upwind-plan.yml
@@ -898,7 +898,7 @@ with h5py.File("whole.h5") as file:
     speed = numpy.cos(2 * numpy.pi * time / 4)
     moving = abs(speed) > 0.3
     assert (exits[moving, 0] * speed[moving] > 0).all() and (abs(exits[moving, 0]) < 1.6).all()
-    # exits are in order from the farthest one downstream, then NaN
+    # exits are ordered, the farthest downstream first; NaN follows the last exit
     for line, direction in zip(exits, numpy.sign(speed)):
         there = ~numpy.isnan(line)
         assert there[0] and (numpy.diff(there.astype(int)) <= 0).all()
@@ -1060,7 +1060,7 @@ PYTHON
         --set surface.units=contact --set surface.radius=0.25 --set surface.position=-3
     refuse 65 "surface.wavelength: found a value, expected none with the kind dent" fullrun dent.yml -o x.h5 \
         --set surface.wavelength=1
-    # lengths in metres without units: si, and a position behind the grid
+    # lengths in metres without `units: si` are refused, and so is a position behind the grid
     refuse 65 "grid.step: found 0.05 half widths, expected at most" fullrun dent.yml -o x.h5 --set surface.units=
     refuse 65 "surface.position: found 6.57.* half widths, expected a surface that rests on the grid" fullrun dent.yml \
         -o x.h5 --set surface.speed=0 --set surface.position=1e-3

@@ -89,8 +89,9 @@ PYTHON
     romrun --quiet --vtk t.h5 -o 'a&b/t&.pvd' --force
 }
 
-# with_vtk: runs the Python script on stdin, in which read(path) reads an image with VTK itself. Tests with it need
-# Debian's python3-vtk9, which is too large (244 MB with its dependencies) to be installed for them.
+# with_vtk: runs the Python script on stdin, in which read(path) reads an image with VTK itself. Tests that call
+# with_vtk need Debian's python3-vtk9. Make does not install this package for them, because it is too large (244 MB with
+# its dependencies).
 with_vtk() {
     cat >vtk_image.py <<'PYTHON'
 import h5py, numpy as np

@@ -9,15 +9,15 @@
     result = contact.solve()
     print(result.central_film_thickness, "m", result.trusted, result.reason)
 
-Quantities are SI: loads in N/m for a line contact and in N for a point contact; m, s, m/s, Pa. With
-`dimensionless=True` they are the dimensionless quantities of scenes.
+Quantities are in SI units: loads in N/m for a line contact and in N for a point contact; m, s, m/s, Pa. With
+`dimensionless=True` the quantities are the dimensionless quantities of scenes.
 
-Any number of contacts in any number of threads may use a model. One thread at a time may use a contact: a call during
-the call of another thread raises Error. Python's global lock is not held while a call solves. close(), the end of a
-with statement, or the end of the last reference frees contacts and models.
+Any number of contacts in any number of threads may use a model. Only one thread at a time may use a contact: a call
+during the call of another thread raises Error. Python's global lock is released while a call solves. Contacts and
+models are freed by close(), at the end of a with statement, or when no reference to them is left.
 
-The library is the file in the environment variable EHDROM_LIBRARY, else the file beside this package, else the
-system's library.
+The package loads the library from the file that the environment variable EHDROM_LIBRARY names. Without this variable
+it loads the file beside the package or, if there is none, the system's library.
 """
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ __version__ = version()
 
 
 class Error(Exception):
-    """A failed call. The text: what was found and what was expected. `status`: the exit code of romrun for this error."""
+    """A failed call. The text states what was found and expected. `status`: exit code of romrun for this error."""
 
     def __init__(self, status: int, text: str) -> None:
         super().__init__(status, text)
@@ -101,11 +101,11 @@ class Error(Exception):
 
 
 class NotConverged(Error):
-    """The call found no solution. If it was a step, try a shorter one."""
+    """The call found no solution. After a failed step, try a shorter step."""
 
 
 class Untrusted(Error):
-    """Raised by Result.check: there is a solution, and a reason not to rely on it."""
+    """Raised by Result.check: there is a solution, but also a reason not to rely on this solution."""
 
 
 # Members that are Boolean: 1 or 0 in C.
@@ -143,9 +143,9 @@ class _Handle:
 
 
 class Model(_Handle):
-    """A loaded model file. It is freed once it is closed or no longer used, and its contacts are freed.
+    """A loaded model file. The memory is freed when the model is closed or no longer used and has no contacts left.
 
-    pressure_modes, deformation_modes, rows: numbers to load, from the first one on (0: all).
+    pressure_modes, deformation_modes, rows: numbers of modes and rows to load, from the first one on (0: all).
     stationary: True loads no data for steps in time.
     info: the members of ehdrom_model_info in ehdrom.h: dimensions, num_x, num_y, x_min, y_min, step (half widths), …
     """
@@ -168,7 +168,7 @@ class Model(_Handle):
         self._path = os.fsdecode(path)
 
     def close(self) -> None:
-        """Allows no further contacts. The model is freed with its last contact."""
+        """Closes the model: no further contacts can be made. The memory is freed with the model's last contact."""
         self._handle = None
 
     def __repr__(self) -> str:
@@ -222,7 +222,7 @@ class _Numbers:
 
 
 class Result(_Numbers):
-    """A solution: the members of ehdrom_result in ehdrom.h, and `reason`: why it is not trusted, or ""."""
+    """A solution: the members of ehdrom_result in ehdrom.h, and `reason`, why the solution is not trusted, or ""."""
 
     __slots__ = ("reason",)
     _kind = "ehdrom_result"
@@ -289,8 +289,8 @@ def _alone(method: _Function) -> _Function:
 class Contact(_Handle):
     """A contact with a solver and a time of its own.
 
-    scene: a file with all settings. contact["key"] = value sets one by its key in scenes, None unsets it, and
-    contact["key"] returns it. Settings take effect with the next solve or start.
+    scene: a file with all settings. contact["key"] = value sets one setting by its key in scenes. The value None unsets
+    the setting. contact["key"] returns the value. Settings take effect with the next solve or start.
     accuracy: results with a larger error estimate of the films are not trusted; default 0.01. With float("inf") neither
     the estimate nor a model that was never checked makes a result untrusted.
     tolerance, step_tolerance: see ehdrom_contact_set_tolerance and ehdrom_contact_set_step_tolerance in ehdrom.h.
@@ -373,9 +373,9 @@ class Contact(_Handle):
 
     @_alone
     def scales(self) -> dict[str, float]:
-        """Returns the scales of dimensionless quantities, SI: the members of ehdrom_scales in ehdrom.h.
+        """Returns the scales of dimensionless quantities in SI units: the members of ehdrom_scales in ehdrom.h.
 
-        half_width, film, hertz_pressure, load, speed, time, half_width_across; and moes_M, moes_L."""
+        These are half_width, film, hertz_pressure, load, speed, time, half_width_across, moes_M and moes_L."""
         scales = _begun("ehdrom_scales")
         self._passed(_lib.ehdrom_contact_scales(self._handle, scales))
         return {name: getattr(scales, name) for name in _names_of("ehdrom_scales")}
@@ -408,7 +408,7 @@ class Contact(_Handle):
     @_alone
     def step(self, step: float, *, load: float | None = None, approach: float | None = None, speed: float | None = None,
              radius: float | None = None, modulus: float | None = None) -> Result:
-        """Solves the state `step` s after the last accepted one, as often as wanted.
+        """Solves the state `step` seconds after the last accepted state. The call can be repeated as often as wanted.
 
         Give the load in N or N/m, or the approach in m. The approach of a line contact is measured from approach_length
         half widths (10 unless set)."""
@@ -423,10 +423,10 @@ class Contact(_Handle):
         """Returns the derivatives of the results along a direction.
 
         The arguments are the rates of change of the conditions, in their units; other conditions stay constant.
-        approach=0 keeps the approach constant, load=0 the load. Without both, the one that was given for the solution
-        stays constant. With approach=1, `load` of the Derivatives is dF/dh.
-        After a solve or start these are the stationary derivatives. After a step, until it is accepted, they are the
-        tangent at its end."""
+        approach=0 keeps the approach constant, and load=0 keeps the load constant. Without both arguments, the quantity
+        that was given for the solution stays constant. With approach=1, `load` of the Derivatives is dF/dh.
+        After solve or start the result has the derivatives of stationary solutions. After a step that is not accepted
+        yet, it has the derivatives by the conditions at the end of the step."""
         direction = self._conditions({"load": load, "approach": approach, "speed": speed, "radius": radius,
                                       "modulus": modulus})
         struct = _begun("ehdrom_derivatives")
@@ -437,7 +437,7 @@ class Contact(_Handle):
     def respond(self) -> dict[str, float]:
         """Returns stiffness (N/m^2 or N/m), damping (N s/m^2 or N s/m) and damping_bound of the last solve or start.
 
-        They are the response of the force to a small slow change of the approach,
+        They describe the response of the force to a small slow change of the approach,
         dF = -(stiffness + s damping) dh for s -> 0."""
         struct = _begun("ehdrom_response")
         self._solved(_lib.ehdrom_respond(self._handle, struct))
@@ -450,7 +450,8 @@ class Contact(_Handle):
         sliding: u1 - u2 in m/s; by default the slide_roll of the settings.
         The traction has friction_coefficient, friction_force and rolling_resistance (N/m or N), rolling_moment (N or
         N m), power_loss (W/m or W), mean_shear_stress and largest_shear_stress (Pa). indicated_deviation_friction is
-        the relative error estimate of the friction; nan for a step, and for a model that was not checked for it."""
+        the relative error estimate of the friction. It is nan for a step, and for a model without a check of the
+        friction."""
         struct = _begun("ehdrom_traction")
         self._solved(_lib.ehdrom_slide(self._handle, numpy.nan if sliding is None else sliding, struct))
         return {name: getattr(struct, name) for name in _names_of("ehdrom_traction")}
@@ -469,7 +470,7 @@ class Contact(_Handle):
 
     @_alone
     def restart(self) -> None:
-        """Makes the next step first order. Call it after a jump of the conditions."""
+        """Makes the next step a step of first order. Call it after a jump of the conditions."""
         self._passed(_lib.ehdrom_restart(self._handle))
 
     @_alone
@@ -491,8 +492,8 @@ class Contact(_Handle):
     def fields(self) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray]:
         """Returns x [num_x] and y [num_y] in m, pressure in Pa and film in m [num_y, num_x].
 
-        They belong to the last solution or the accepted state. For a list of models on different grids the nodes are
-        those of the model that has solved the contact. The library writes into the returned arrays."""
+        The fields belong to the last solution or the accepted state. For a list of models on different grids, the nodes
+        are those of the model that has solved the contact. The library writes into the returned arrays."""
         num_x, num_y = self.model.info["num_x"], self.model.info["num_y"]
         x, y, pressure, film = numpy.empty(num_x), numpy.empty(num_y), numpy.empty((num_y, num_x)), numpy.empty((num_y, num_x))
         self._passed(_lib.ehdrom_axes(self._handle, _doubles(x), _doubles(y)))
@@ -510,7 +511,7 @@ class Contact(_Handle):
     def shear_stresses(self, sliding: float | None = None) -> tuple[numpy.ndarray, numpy.ndarray]:
         """Returns the stresses of the fluid on surface 1 and on surface 2 along x, Pa, two arrays [num_y, num_x].
 
-        They belong to the nodes of fields() and to the last solution or the accepted state; sliding as for slide()."""
+        They are given at the nodes of fields(), for the last solution or the accepted state. sliding: see slide()."""
         stresses = numpy.empty((2, self.model.info["num_y"], self.model.info["num_x"]))
         self._passed(_lib.ehdrom_shear_stresses(self._handle, numpy.nan if sliding is None else sliding,
                                                 _doubles(stresses[0]), _doubles(stresses[1])))

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A mass on a contact, by scipy's integrator: mass.py MODEL SCENE.yml MASS END (kg or kg/m, s)
+"""Computes the motion of a mass on a contact with scipy: mass.py MODEL SCENE.yml MASS END (kg or kg/m, s)
 
-The mass rests on the contact; from t = 0 on the weight is 2 % larger. The integrator may try any position and step:
-each trial starts from the last accepted state of the contact. A state is accepted when scipy has taken a step."""
+The mass rests on the contact; from t = 0 on, its weight is 2 % larger. The integrator may try any position and step,
+because each trial starts from the last accepted state of the contact. When scipy has taken a step, the program accepts
+the state at the end of this step."""
 import sys
 
 import ehdrom

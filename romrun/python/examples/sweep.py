@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Film thickness over speed: sweep.py MODEL SCENE.yml LEAST MOST PICTURE.png (speeds in m/s)"""
+"""Draws the film thickness over the speed: sweep.py MODEL SCENE.yml LEAST MOST PICTURE.png (speeds in m/s)"""
 import sys
 
 import ehdrom

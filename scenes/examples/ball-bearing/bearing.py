@@ -1,33 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The inner race of a 6206 deep groove ball bearing: what its contact is, and its film and traction over the speed.
+"""Computes the contact at the inner race of a 6206 deep groove ball bearing, and draws film and traction over speed.
 
-    bearing.py numbers                  radii, load and speeds of scene.yml, plan.yml and cases.csv
-    bearing.py speeds                   rows of romrun cases: the speeds of the shaft
-    bearing.py picture PICTURE TABLE    both over the speed, of the table that romrun cases has made
+    bearing.py numbers                  prints radii, loads and speeds for scene.yml, plan.yml and cases.csv
+    bearing.py speeds                   prints a table for romrun cases, with a row for each speed of the shaft
+    bearing.py picture PICTURE TABLE    draws film and forces over the speed, from the table that romrun cases writes
 """
 import csv
 import sys
 
 import numpy as np
 
-# Boundary dimensions of a 6206 (ISO 15), and the set of balls that makers' tables give for it.
+# Boundary dimensions of a 6206 (ISO 15); diameter and number of its balls, from makers' tables.
 BORE, OUTSIDE, BALL, BALLS = 30e-3, 62e-3, 9.525e-3, 9
-# Assumed, since makers do not publish them: the pitch circle half way between bore and outside, and the
-# groove's radius over the ball's diameter (0.515 to 0.53 are usual).
+# Assumptions, since makers do not publish these dimensions: the pitch circle is half way between bore and outside, and
+# the groove radius is 0.52 times the ball diameter (0.515 to 0.53 are usual).
 PITCH, CONFORMITY = (BORE + OUTSIDE) / 2, 0.52
 
-GAMMA = BALL / PITCH  # of a contact without angle
-RADIUS = BALL / 2 * (1 - GAMMA)  # along: 1/R_x = 2/D + 2/(d_m - D)
+GAMMA = BALL / PITCH  # for a contact angle of zero
+RADIUS = BALL / 2 * (1 - GAMMA)  # along the rolling direction: 1/R_x = 2/D + 2/(d_m - D)
 RADIUS_ACROSS = 1 / (2 / BALL - 1 / (CONFORMITY * BALL))  # the groove is concave
 
 
 def ball_load(radial):
-    """Of the most loaded ball, with the usual clearance (Stribeck)."""
+    """Returns the load of the most loaded ball, with the usual clearance (Stribeck)."""
     return 5 * radial / BALLS
 
 
 def speed(rpm):
-    """Mean speed of both surfaces at the inner race, rolling without slip, the outer ring at rest."""
+    """Returns the mean speed of both surfaces at the inner race, for balls without slip and an outer ring at rest."""
     return np.pi * rpm / 60 * PITCH / 2 * (1 - GAMMA**2)
 
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A mass that falls on a contact, which is lost and found again: bounce.py SCENE.yml MODEL OUT.csv
+"""Simulates a mass that falls on a contact and bounces: bounce.py SCENE.yml MODEL OUT.csv
 
-Integrates by the trapezoidal rule. The secant method solves for the position. A step that the contact does not solve is halved.
+The integrator is the trapezoidal rule. The secant method finds the position at the end of a step. If the contact does
+not solve a step, the step is halved.
 """
 import csv
 import sys
@@ -10,7 +11,7 @@ import ehdrom
 
 MASS, GRAVITY = 1430.0, 9.81  # kg/m, m/s^2
 DROP, END, STEP = 3e-6, 15e-3, 5e-6  # m, s, s
-NEAR = 1e-16  # m
+NEAR = 1e-16  # m, tolerance of the position
 MAX_TRIALS, MAX_HALVINGS = 30, 12
 
 
@@ -22,7 +23,7 @@ class Mass:
         self.time, self.position, self.velocity, self.force, self.film = 0.0, DROP, 0.0, 0.0, DROP
 
     def try_step(self, step):
-        """Position and state after a step that is not accepted yet; None: the contact does not solve it."""
+        """Tries a step. Returns position and state at its end, or None if the contact does not solve it."""
         ease = step**2 / (4 * MASS)
         drift = self.position + step * self.velocity + ease * (self.force - 2 * MASS * GRAVITY)
         position, slope, before = drift + ease * self.force, 1.0, None
@@ -36,14 +37,14 @@ class Mass:
                 return position, state
             if before and position != before[0]:
                 slope = (defect - before[1]) / (position - before[0])
-            if abs(slope) < 0.05:  # past the jump at which the force starts
+            if abs(slope) < 0.05:  # the last trial crossed the jump at which the force starts
                 slope = 1.0
             before = position, defect
             position -= defect / slope
         return None
 
     def step(self):
-        """Goes on; returns the impulse of the force and the weight."""
+        """Makes one step. Returns the impulse of force and weight in this step."""
         for halvings in range(MAX_HALVINGS):
             step = STEP / 2**halvings
             found = self.try_step(step)

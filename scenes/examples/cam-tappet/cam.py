@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The contact between a cam and a flat-faced tappet during one lift.
+"""Computes the contact between a cam and a flat-faced tappet during one lift.
 
     cam.py history SCENE.yml > HISTORY.csv
     cam.py picture PICTURE.png FULL.h5 REDUCED.h5
@@ -10,13 +10,14 @@ T = u_ref t / a_ref), angle (of the cam, degrees from the nose), lift (mm).
 Lift: the 3-4-5-6 polynomial of a cam with a single dwell (R. L. Norton, Cam Design and Manufacturing Handbook,
 Industrial Press), s = 64 h (x (1 - x))^3 with x = theta/beta from 0 to 1 over rise and fall; velocity and acceleration
 start and end at zero.
-Contact, with derivatives by the angle: the radius of the cam's curvature is rho = r_b + s + s'', the contact lies s'
-from the tappet's axis, the surfaces pass it with omega rho (cam) and omega s'' (tappet), hence the mean speed
-u_m = omega (r_b + s + 2 s'')/2. At the nose s'' is negative. On a cam of short lift u_m then changes its sign between
-flank and nose; this one is a slow and flat one, so that u_m stays above zero, at 0.4 of what it is on the base circle.
+Contact (s', s'': derivatives with respect to the angle): the radius of curvature of the cam is rho = r_b + s + s''. The
+distance of the contact from the tappet's axis is s'. Relative to the contact, the cam surface moves with omega rho and
+the tappet surface with omega s''. Hence the mean speed is u_m = omega (r_b + s + 2 s'')/2. At the nose s'' is negative.
+If the lift is short, u_m changes its sign between flank and nose. This cam is slow and flat, so that u_m stays
+positive, at least 0.4 of its value on the base circle.
 Load: spring and inertia, w = (F_0 + k s + m omega^2 s'')/b.
-Modulus: that of steel on steel at the tappet's axis; further out it falls with the square of the distance, as if the
-facing became softer to the rim. This law stands for no particular facing.
+Modulus: at the tappet's axis that of steel on steel. With the distance from the axis it decreases quadratically, as if
+the facing became softer towards its rim. This law does not describe a particular facing.
 """
 import re
 
@@ -29,14 +30,15 @@ LIFT = 0.006           # m, h
 DURATION = 240         # degrees of the cam, beta
 PRELOAD = 1200         # N, F_0
 SPRING = 100e3         # N/m, k
-MASS = 0.3             # kg, m, of all that moves with the tappet
+MASS = 0.3             # kg, m, of all parts that move with the tappet
 WIDTH = 0.012          # m, b
 SOFTENING = 0.05       # part of the modulus that is lost at the largest distance from the axis
 NUM_INTERVALS = 480
 
 
 def history(scene):
-    """Prints the history. The reference is one line: physical: {load: ..., radius: ..., speed: ..., modulus: ...}"""
+    """Prints the history. The scene gives the reference in one line:
+    physical: {load: ..., radius: ..., speed: ..., modulus: ...}"""
     lines = re.findall(r"^physical:.*", open(scene).read(), re.MULTILINE)
     given = dict(re.findall(r"(\w+): *([0-9][^,} ]*)", lines[0])) if lines else {}
     load, radius, speed, modulus = (float(given.get(name, 0)) for name in ("load", "radius", "speed", "modulus"))
@@ -62,7 +64,7 @@ def history(scene):
 
 
 def picture(picture, full, reduced):
-    """What varies over the angle of the cam, and the film that follows."""
+    """Draws the history, the pressure and the film over the angle of the cam."""
     import pictures
     table = np.genfromtxt("out/history.csv", delimiter=",", names=True)
     (T, _, pressure, centre, smallest), fewer = pictures.in_time(full), pictures.in_time(reduced)

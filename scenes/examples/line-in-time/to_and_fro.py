@@ -9,7 +9,7 @@ import numpy as np
 import pictures
 import results
 
-TURN, STEP, COUNT = 12, 1.5, 4  # T at which the stroke begins that is drawn; between its films; of them
+TURN, STEP, COUNT = 12, 1.5, 4  # T at the start of the drawn stroke; T between the drawn films; their number
 
 picture, file = sys.argv[1:]
 settings = str(results.printed(file, "settings")["settings"][0])

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""oscillator.c in Python: oscillator.py SCENE.yml MODEL OUT.csv
+"""The program oscillator.c in Python: oscillator.py SCENE.yml MODEL OUT.csv
 
-MODEL is a reduced model, on the package (make python), or an FMU, whose input is the approach (romrun fmu, closure:
-approach). The integrator is that of shaken_mass.h, operation by operation: with the same forces it takes the same steps to
-the last bit."""
+MODEL is a reduced model, for the Python package (make python), or an FMU whose input is the approach (romrun fmu with
+closure: approach). The integrator makes the operations of shaken_mass.h in the same order, so that equal forces give
+equal steps to the last bit."""
 import math
 import re
 import sys
@@ -67,16 +67,17 @@ def write(contact, path):
             file.write("%.17g,%.17g,%.17g,%.17g\n" % (time, *now))
 
 
-# A contact has start(), step(approach, step), both of which return a Reply, and accept(); all is dimensionless.
+# A contact has the functions start() and step(approach, step), which return a Reply, and accept(). All quantities are
+# dimensionless.
 
 
 class OnPackage:
     def __init__(self, scene, model):
-        # forces are wanted: films may be so far off
+        # only the force matters here, so films may be 10 % off
         self.contact = library.Contact(library.Model(model), scene, dimensionless=True, accuracy=0.1)
 
     def reply(self, approach, result):
-        result.check()  # an answer that is not to be trusted ends it
+        result.check()  # a result that is not trusted ends the program
         return Reply(approach, result.load, result.central_film_thickness)
 
     def start(self):
@@ -91,7 +92,8 @@ class OnPackage:
 
 
 class OnFMU:
-    """Dimensionless, as the mass wants it; the scales are those of the scene (ehdrom_contact_scales)."""
+    """Converts the SI units of an FMU to dimensionless quantities, with the scales of the scene
+    (ehdrom_contact_scales)."""
 
     def __init__(self, scene, path):
         with open(scene, encoding="utf-8") as file:

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A podbuild of one's own: podbuild.py SNAPSHOTS.h5 BASIS.h5 (schemas/snapshots.md, schemas/basis.md)."""
+"""A program in place of podbuild: podbuild.py SNAPSHOTS.h5 BASIS.h5 (schemas/snapshots.md, schemas/basis.md)."""
 import sys
 
 import h5py
@@ -21,7 +21,7 @@ with h5py.File(sys.argv[1]) as snapshots, h5py.File(sys.argv[2], "w") as basis:
         basis.attrs[name] = snapshots.attrs[name]
     basis.attrs["schema_name"] = "ehdrom-basis"
     basis.attrs["schema_version"] = "2.0"
-    basis.attrs["deformation"] = "coupled"  # deflections of the pressure modes: no modes of their own
+    basis.attrs["deformation"] = "coupled"  # deflections of the pressure modes; there are no deformation modes
     basis["pressure_basis"] = modes
     basis["state_pressure"] = pressure @ modes.T
     for name in "rigid_approach", "exit_node", "moes_M", "alpha_p_H":

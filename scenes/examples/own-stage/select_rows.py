@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A row selection of one's own: select_rows.py RESIDUALS.h5 BASIS.h5 ROWS.csv (schemas/residuals.md).
+"""A program that selects rows: select_rows.py RESIDUALS.h5 BASIS.h5 ROWS.csv (schemas/residuals.md).
 
-The rows are the first pivots of a QR decomposition with column pivoting (Drmac and Gugercin, SIAM
-J. Sci. Comput. 38, 2016) of what they have to represent: the leading modes of the residuals and of the
-products of Jacobian and Newton step. Two rows a pressure mode.
+The rows are the first pivots of a QR decomposition with column pivoting (Drmac and Gugercin, SIAM J. Sci. Comput. 38,
+2016). The matrix has the leading modes of the residuals and of the products of Jacobian and Newton step. There are two
+rows for each pressure mode.
 """
 import sys
 
@@ -13,7 +13,7 @@ import numpy
 
 
 def pivots(matrix, count):
-    """Columns, each with the largest part that is not in the span of those before it."""
+    """Returns columns. Each one has the largest part outside of the span of the columns before."""
     left, chosen = matrix.copy(), []
     for _ in range(count):
         column = numpy.argmax((left**2).sum(axis=0))

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""roller.c in Python: roller.py SCENE.yml MODEL OUT.csv
+"""The program roller.c in Python: roller.py SCENE.yml MODEL OUT.csv
 
-MODEL is a reduced model, on the package (make python), or an FMU, whose input is the approach (romrun fmu, closure:
-approach), with an instance for each slice. The slide and its integrator are those of roller.c, operation by operation: with
-the same forces it takes the same steps to the last bit."""
+MODEL is a reduced model, for the Python package (make python), or an FMU whose input is the approach (romrun fmu with
+closure: approach), with an instance for each slice. The integrator makes the operations of roller.c in the same order,
+so that equal forces give equal steps to the last bit."""
 import math
 import os
 import re
@@ -37,7 +37,7 @@ PLACES = [LENGTH * ((k + 0.5) / NUM_SLICES - 0.5) for k in range(NUM_SLICES)]
 
 
 class NotConverged(Exception):
-    """Of a step: to be tried again, shorter."""
+    """A step has not converged; a shorter step has to be tried."""
 
 
 class Reply(typing.NamedTuple):
@@ -46,7 +46,7 @@ class Reply(typing.NamedTuple):
     minimum_film: float
     peak_pressure: float
     local_error: float
-    distrust: str  # why it is not to be trusted, or ""
+    distrust: str  # why the result is not trusted, or ""
 
 
 def track(travel, across):
@@ -72,14 +72,15 @@ class Slide:
     def __init__(self, contacts):
         self.contacts, self.now = contacts, contacts.start()
         self.time, self.shortest = 0.0, contacts.time_scale / 100
-        self.length = self.shortest  # of the next step
+        self.length = self.shortest  # length of the next step
         self.position, self.velocity, self.acceleration = 3 * [(0.0, 0.0)]  # height, tilt
         self.rest, self.load = self.now[0].approach, force_of(self.now)
         self.stiffness = NUM_SLICES * [contacts.stiffness]
         self.num_steps = self.num_trials = self.num_rejected = self.num_untrusted = 0
 
     def try_there(self, step, position, before):
-        """The contacts' replies; `before`: those of the last trial, to learn from, or None."""
+        """Solves the contacts for a position; returns their replies. `before`: replies of the last trial, from which
+        the stiffness of the slices is computed, or None."""
         travel = SPEED * (self.time + step) - BEFORE
         self.num_trials += 1
         replies = self.contacts.step([self.rest + position[0] + position[1] * place - track(travel, place) for place in PLACES],
@@ -103,7 +104,7 @@ class Slide:
                 position[1] - (a * defect[1] - c * defect[0]) / (a * d - b * c))
 
     def try_step(self, step):
-        """A step of the trapezoidal rule: position, acceleration and replies at its end."""
+        """Tries a step of the trapezoidal rule. Returns position, acceleration and replies at its end."""
         drift = [x + step * v for x, v in zip(self.position, self.velocity)]
         position = [x + step * step / 2 * a for x, a in zip(drift, self.acceleration)]
         replies = None
@@ -154,7 +155,7 @@ class Slide:
 
 
 def roll(contacts, path):
-    """Writes the table of roller.c; the exit code."""
+    """Writes the same table as roller.c. Returns the exit code."""
     started = time.monotonic()
     slide = Slide(contacts)
     with open(path, "w", encoding="ascii") as file:
@@ -169,8 +170,9 @@ def roll(contacts, path):
     return 4 if slide.num_untrusted else 0
 
 
-# Contacts, one a slice, have start() and step(approaches, step), both of which return a list of replies, accept(), and
-# time_scale and stiffness behind start(); all is SI. A step that does not converge raises NotConverged.
+# The contacts (one for each slice) have the functions start() and step(approaches, step), which return a list of
+# replies, and accept(). After start() they have time_scale and stiffness. All quantities are in SI units. A step that
+# does not converge raises NotConverged.
 
 
 class OnPackage:

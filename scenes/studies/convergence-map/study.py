@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the full model converges, and what grid and inlet do (README.md):
+"""Shows where the full model converges, and the errors due to grid and inlet (README.md):
 
     study.py plan PLAN.yml ROWS LAW-DENSITY-REGION     writes the plan of a piece of the map on its published grid
-    study.py collect MAP.csv PIECE.h5...               the states of all pieces as a table
-    study.py own-grids MAP.csv FOLDER PUBLISHED.csv    the points of such a table again, each on the grid that it
-                                                       chooses itself
-    study.py summary MAP.csv LEAST                     points that fail, and a line for each lubricant; exit code 1 when
-                                                       one fails or there are fewer points
-    study.py draw MAP.csv                              the picture
-    study.py estimate OUT LOW HIGH L SET               estimates and measurements of these points (lists): estimates.csv
-    study.py compare ESTIMATES.csv                     how far the estimates are right
+    study.py collect MAP.csv PIECE.h5...               writes the states of all pieces as a table
+    study.py own-grids MAP.csv FOLDER PUBLISHED.csv    solves the points of such a table again, each on its default grid
+    study.py summary MAP.csv LEAST                     prints failed points and a line for each lubricant; exit code 1
+                                                       if a point fails or there are fewer than LEAST points
+    study.py draw MAP.csv                              draws the picture
+    study.py estimate OUT LOW HIGH L SET               estimates and measures errors at points (lists): estimates.csv
+    study.py compare ESTIMATES.csv                     compares estimated and measured errors
 """
 import os
 import shlex
@@ -21,8 +20,8 @@ import numpy as np
 
 import results
 
-# M up to 2000 and L up to 25, as far as the viscosity law holds: Barus and Roelands do everywhere, WLF no. 1 up to 11.5
-# GPa, which is alpha p_H = 271. Laws with the largest alpha p_H; M and the published step of each region.
+# M goes up to 2000 and L up to 25, as far as the viscosity law holds. The laws of Barus and Roelands hold everywhere,
+# WLF no. 1 up to 11.5 GPa, which is alpha p_H = 271. LAWS: the largest alpha p_H. REGIONS: M and the published step.
 LAWS = {"barus": ("law: barus, alpha: 20e-9", 450), "roelands": ("law: roelands, eta0: 0.04, alpha: 20e-9", 450),
         "wlf": ("law: wlf, preset: no1", 270)}
 REGIONS = {
@@ -31,22 +30,22 @@ REGIONS = {
 ALL_L = "0, 0.5, 1, 2.5, 5, 7.5, 10, 12.5, 15, 17.5, 20, 22.5, 25"
 LONG_INLET = {"low": -32, "high": -16}
 
-# Columns of map.csv behind the names of the laws, and what they are in the states of a piece.
+# Columns of map.csv after the names of the laws, with the datasets of a piece from which they are taken.
 COLUMNS = {
     "M": "moes_M", "L": "moes_L", "alpha_p_H": "alpha_p_H", "p_H": "hertz_pressure", "step": "step", "status": "status",
     "newton_iterations": "newton_iterations", "residual": "residual_norm", "complementarity": "complementarity",
     "exit_X": "exit_position", "H_c": "central_film_thickness", "H_min": "minimum_film_thickness"}
 
-LIMIT = 1  # per cent: fullrun has a note where inlet or step move H_c by more
+LIMIT = 1  # per cent: fullrun prints a note if inlet or step change H_c by more
 
 
 def pieces(name):
-    """Law, density and region of LAW-DENSITY-REGION; the name of a density has a dash."""
+    """Returns law, density and region of LAW-DENSITY-REGION. The name of a density may contain a dash."""
     return name.split("-")[0], "-".join(name.split("-")[1:-1]), name.split("-")[-1]
 
 
 def numbers(file):
-    """The lines of a CSV file, numbers where they are some."""
+    """Returns the lines of a CSV file. All columns but the names of laws are numbers."""
     return [{key: text if key in ("law", "density") else float(text or "nan") for key, text in line.items()}
             for line in results.read_csv(file)]
 
@@ -78,7 +77,7 @@ def plan_text(rows, law, density, M, L, grid=""):
 
 
 def states(piece):
-    """Of all points of a piece, in the order of the columns."""
+    """Returns the states of all points of a piece, with values in the order of COLUMNS."""
     return [[f"{x:.12g}" for x in state] for state in zip(*results.printed(piece, *COLUMNS.values()).values())]
 
 
@@ -91,8 +90,8 @@ def collect(file, *files):
 
 
 def own_grids(file, folder, published):
-    """A plan has one grid for all its points, so that each point is a plan of its own; two at a time. An interrupted
-    map goes on where it was."""
+    """Solves all points, two at a time. Each point is a plan of its own, because a plan has one grid for all its
+    points. An interrupted map continues where it was."""
     def line(point):
         laws = point["law"], point["density"]
         name = "{}/{}-{}-{:g}-{:g}".format(folder, *laws, point["M"], point["L"])
@@ -113,8 +112,8 @@ def own_grids(file, folder, published):
 
 
 def good(point):
-    """Whether it converged, its scaled residual is below 1e-8, no node has a negative pressure or multiplier, and the
-    exit lies inside of the domain."""
+    """Returns whether a point converged, its scaled residual is below 1e-8, no node has a negative pressure or
+    multiplier, and the exit lies inside of the domain."""
     return (point["status"] == 0 and point["residual"] < 1e-8 and point["complementarity"] <= 0
             and 0 < point["exit_X"] < 2)
 
@@ -140,7 +139,7 @@ def summary(file, least):
 
 
 def draw(file):
-    """Newton iterations of a cold start over M and L, a panel for each lubricant."""
+    """Draws the Newton iterations of cold starts over M and L, with a panel for each lubricant."""
     import matplotlib
 
     import pictures
@@ -172,8 +171,8 @@ def draw(file):
 
 
 def measure(M, L, region, more):
-    """A point on the published grid (scene.yml), with a long inlet, and with a half and a quarter of the step: a line
-    of estimates.csv, empty where something is not known."""
+    """Solves a point on the published grid (scene.yml), with a long inlet, and with a half and a quarter of the step.
+    Returns a line of estimates.csv, in which unknown values are empty."""
     step = REGIONS[region][1]
     films, attributes = [], ["observed_order", "inlet_nodes", "spike_nodes", "outlet_nodes"]
     with tempfile.TemporaryDirectory() as work:
@@ -194,7 +193,7 @@ def measure(M, L, region, more):
 
 
 def estimate(out, low, high, all_L, settings):
-    """All points, two at a time."""
+    """Measures all points, two at a time."""
     points = [(M, L, region) for region, all_M in (("low", low), ("high", high))
               for M in all_M.split() for L in all_L.split()]
     sources = ["scene.yml", f"{out}/estimates.options", os.path.join(os.environ["BIN"], "fullrun")]
@@ -208,7 +207,7 @@ def estimate(out, low, high, all_L, settings):
 
 
 def compare(file):
-    """Estimated against measured changes of H_c in per cent, and how far a note is right."""
+    """Prints estimated and measured changes of H_c in per cent, and the numbers of right and wrong notes."""
     lines = numbers(file)
     layout = "{:>6} {:>5} {:>6} {:>12}  {:>10} {:>10}  {:>10} {:>10} {:>6}  {:>6} {:>6} {:>6}"
     print(layout.format("", "", "", "", "inlet", "inlet", "step", "step", "order", "nodes:", "", ""))
@@ -222,9 +221,9 @@ def compare(file):
         estimated, measured = (100 * np.array([line[f"{effect}_{what}"] for line in lines])
                                for what in ("estimated", "measured"))
         known = ~np.isnan(measured)
-        noted = (np.isnan(estimated) | (abs(estimated) > LIMIT))[known]  # no estimate is a note as well
+        noted = (np.isnan(estimated) | (abs(estimated) > LIMIT))[known]  # also a note: no estimate
         true = abs(measured[known]) > LIMIT
-        # ratios are of changes that matter; what cannot be estimated has none
+        # ratios only for changes that are estimated and not small
         ratios = (estimated / measured)[~np.isnan(estimated) & (abs(measured) >= LIMIT / 5)]
         lowest, highest = min(ratios, default=np.nan), max(ratios, default=np.nan)
         print(f"{effect:6} noted and true {sum(noted & true)}, not noted and true {sum(~noted & ~true)}, noted though "

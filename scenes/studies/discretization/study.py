@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Distance of both discretisations from the solution of the equations (README.md):
+"""Measures the errors of both discretisations against the converged solution (README.md):
 
     study.py stationary FOLDER LINE_STEPS POINT_STEPS    errors of the films of line and point contacts
-    study.py random FOLDER KIND COUNT SEED               what fullrun says of random scenes, against their errors
-    study.py in-time FOLDER SCENE.yml STEPS END          of the films of an oscillating load
-    study.py estimates FOLDER STEPS ALL_M ALL_L          what fullrun says of its step against what finer ones do
-    study.py interpolated FOLDER STEP                    what romrun makes of the estimates of its training
-    study.py indicated FOLDER                            what romrun says of its own part of both films (after interpolated)
-    study.py inlets FOLDER STEP ALL_M ALL_L              what an inlet from -4 on does to both films
-    study.py point-inlets FOLDER STEP ALL_M ALL_L        of point contacts from -8 on, and what fullrun says of it
-    study.py truth FOLDER MODES STEPS                    errors and times of formulas, full and reduced models, also truth.csv
-    study.py draw FOLDER                                 FOLDER/truth.png, .svg
+    study.py random FOLDER KIND COUNT SEED               errors of random scenes, estimated by fullrun and true
+    study.py in-time FOLDER SCENE.yml STEPS END          errors of the films under an oscillating load
+    study.py estimates FOLDER STEPS ALL_M ALL_L          errors due to the step, estimated by fullrun and true
+    study.py interpolated FOLDER STEP                    estimates that romrun interpolates, and estimates of fullrun
+    study.py indicated FOLDER                            errors of the reduction, estimated by romrun and true (run
+                                                         interpolated before)
+    study.py inlets FOLDER STEP ALL_M ALL_L              effect of an inlet from X = -4 on both films
+    study.py point-inlets FOLDER STEP ALL_M ALL_L        effect of a domain from X = -8 on point contacts, estimated by
+                                                         fullrun and true
+    study.py truth FOLDER MODES STEPS                    errors and times of formulas and models: truth.csv
+    study.py draw FOLDER                                 draws FOLDER/truth.png, .svg
 
-STEPS of a grid go from coarse to fine, a list in one word. The reference is of the accurate rows: stationary,
-extrapolated from the last two steps; in time, of the last step with time steps of half of it.
+STEPS of a grid are a list in one argument, from coarse to fine. The reference has the accurate discretisation. In
+stationary scenes it is extrapolated from the last two steps. In transient scenes it has the last step, and time steps
+of half this length.
 """
 import math
 import os
@@ -26,7 +29,7 @@ import numpy as np
 import pictures
 import results
 
-# Name, kind of contact, M, L, viscosity, density.
+# kind of contact, M, L, viscosity, density
 BARUS, ROELANDS = "law: barus, alpha: 20e-9", "law: roelands, eta0: 0.04, alpha: 20e-9"
 CASES = [("line", 20, 10, BARUS, "incompressible"), ("line", 120, 10, BARUS, "incompressible"),
          ("line", 100, 3, BARUS, "dowson-higginson"), ("line", 40, 9, ROELANDS, "dowson-higginson"),
@@ -38,15 +41,15 @@ DOMAINS = {"line": "x_min: -4, x_max: 2", "point": "x_min: -4.5, x_max: 1.5, y_m
 EFFECTS = ["step_effect", "step_effect_minimum"]
 INLETS = ["inlet_effect", "inlet_effect_minimum"]
 BOTH = {"Barus": (BARUS, "incompressible"), "Roelands": (ROELANDS, "dowson-higginson")}
-LIMITS = 0.01, 0.03  # of central and smallest film, from which fullrun has a note
-LEAST = 1e-4         # effects below are not counted
+LIMITS = 0.01, 0.03  # errors of central and smallest film above which fullrun prints a note
+LEAST = 1e-4         # smaller effects are not counted
 
 
 def solve(folder, case, step, discretization, domain=None):
-    """Solution of a case, with its own estimates of the step."""
+    """Returns the solution of a case, with the estimates of fullrun for step and inlet."""
     kind, M, L, viscosity, density = case
     domain = domain or DOMAINS[kind]
-    boundary = f"boundary: {os.environ['POINT_BOUNDARY']}\n" if kind == "point" else ""  # the same for both rows
+    boundary = f"boundary: {os.environ['POINT_BOUNDARY']}\n" if kind == "point" else ""  # for both discretisations
     where = "" if domain == DOMAINS[kind] else "-" + "".join(c for c in domain if c in "-.0123456789")
     file = f"{folder}/{kind}-{M}-{L}-{viscosity.split(',')[0].split()[-1]}-{discretization}-{step}{where}"
     results.write_changed(f"{file}.yml", f"""contact: {kind}
@@ -66,7 +69,7 @@ discretization: {discretization}
 
 
 def films(folder, case, step, discretization, domain=None):
-    """Central and smallest film of a case, which has to be solved."""
+    """Returns central and smallest film of a case. Stops if it does not converge."""
     found = solve(folder, case, step, discretization, domain)
     if found["status"] == results.NOT_CONVERGED:
         results.stop(f"found {case} not converged with {discretization} rows and step {step}, expected a solution")
@@ -89,7 +92,8 @@ def stationary(folder, line_steps, point_steps):
 
 
 def limit(folder, case, steps):
-    """Films that the accurate rows go to, extrapolated with the order of the last three steps, within 1 and 4."""
+    """Returns the films to which the accurate discretisation converges, extrapolated from the last three steps. The
+    order is that of these steps, limited to 1 … 4."""
     coarse, middle, fine = (films(folder, case, step, "accurate") for step in steps)
     with np.errstate(all="ignore"):
         order = np.log2((coarse - middle) / (middle - fine))
@@ -98,7 +102,8 @@ def limit(folder, case, steps):
 
 
 def estimates(folder, steps, all_M, all_L):
-    """Of all points with both lubricants. The last three steps give the reference."""
+    """Compares estimated and true effects of the step at all points, with both lubricants. The last three steps give
+    the reference."""
     *steps, third, second, last = steps.split()
     cases = [("line", M, L, *lubricant) for lubricant in BOTH.values() for M in all_M.split() for L in all_L.split()]
     exact = [limit(folder, case, (third, second, last)) for case in cases]
@@ -124,7 +129,7 @@ def estimates(folder, steps, all_M, all_L):
 
 
 def interpolated(folder, step):
-    """Of a model of 70 points, at 35 scenes between them, over what fullrun says of these."""
+    """Compares the estimates of a model of 70 points with those of fullrun, for 35 scenes between the points."""
     names = ["step_effect", "step_effect_minimum", "inlet_effect", "inlet_effect_minimum"]
     scene, plan = f"{folder}/between.yml", f"{folder}/between-plan.yml"
     results.write_changed(scene, f"""contact: line
@@ -165,7 +170,8 @@ grid: {{{DOMAINS["line"]}, step: {step}}}
 
 
 def indicated(folder):
-    """Of the model of interpolated(), calibrated on 20 scenes: at the 35 others, in every sixth of the sizes."""
+    """Compares estimated and true errors of the model of interpolated(), which is calibrated here on 20 scenes. Uses 35
+    other scenes and every sixth size of the model."""
     scene, model = f"{folder}/between.yml", f"{folder}/between-calibrated.h5"
     results.write_changed(f"{folder}/between-check.yml", """groups:
   - scene: between.yml
@@ -201,7 +207,8 @@ def indicated(folder):
 
 
 def inlets(folder, step, all_M, all_L):
-    """Relative change of the central film by an inlet from -32 on, and that of the smallest film over it."""
+    """Prints the relative change of the central film that an inlet from X = -32 causes, and the ratio of the change of
+    the smallest film to that of the central film."""
     rows = [["viscosity", "M", *(f"L = {L}" for L in all_L.split())], None]
     for name, lubricant in BOTH.items():
         for M in all_M.split():
@@ -214,8 +221,8 @@ def inlets(folder, step, all_M, all_L):
 
 
 def point_inlets(folder, step, all_M, all_L):
-    """Relative change of both films by a domain of any length, which goes with one over the length, extrapolated from
-    the last two on grids of twice the step; and the estimates on the step itself."""
+    """Prints the relative change of both films that an infinite domain causes, and the estimates of fullrun. The change
+    is proportional to 1/length. It is extrapolated from two long domains on grids of twice the step."""
     def domain(length):
         return f"x_min: -{length}, x_max: {length / 4}, y_max: {0.75 * length}"
 
@@ -234,7 +241,7 @@ def point_inlets(folder, step, all_M, all_L):
 
 
 class RandomScene:
-    """A random contact on the grid that it chooses, or, in every second draw, on a coarser or shorter one."""
+    """A random contact on its default grid or, in 64 % of the draws, on a coarser or shorter grid."""
 
     def __init__(self, folder, kind, numbers):
         most = 400 if kind == "line" else 100
@@ -254,7 +261,7 @@ output: {{fields: false}}
 """)
 
     def run(self, grid, resolution=False):
-        """What fullrun prints; where it has no solution, nothing."""
+        """Returns the output of fullrun, or an empty text if there is no solution."""
         done = results.run("fullrun", f"{self.file}.yml", "-q", "-o", f"{self.file}.h5", "-f", "--allow-untrusted",
                            *results.sets({**self.settings, "output.resolution": str(resolution).lower(),
                                           **{f"grid.{key}": f"{x:.12g}" for key, x in grid.items()}}), outcomes=range(256))
@@ -265,12 +272,12 @@ output: {{fields: false}}
         return np.array([solved["H_c"], solved["H_min"]]) if solved else np.full(2, np.nan)
 
     def choose_grid(self):
-        """False: it has no solution there."""
+        """Chooses the grid. Returns False if there is no solution on the default grid."""
         found = re.search(r"^grid +(?:\d+ by )?(\d+) nodes from (\S+) to (\S+) by ([\d.e-]+)", self.run({}), re.M)
         if not found:
             return False
         self.x_min, self.x_max, self.step = (float(x) for x in found.groups()[1:])
-        self.cell = float(self.settings.get("ellipticity", 1)) ** (-1 / 3)  # as wide as long
+        self.cell = float(self.settings.get("ellipticity", 1)) ** (-1 / 3)  # width of a cell in b over its length in a
         self.y_max = (int(found[1]) - 1) / 2 * self.cell * self.step
         self.step *= self.coarser
         if not self.is_line:
@@ -278,9 +285,9 @@ output: {{fields: false}}
         return True
 
     def grid(self, length=1, step=None):
-        """The domain times a length, of whole steps."""
+        """Returns the grid of a domain that is longer and wider by a factor, of whole steps."""
         length, step = length * self.shorter, step or self.step
-        x_max = self.x_max * max(1, length)  # exits of a wide point lie farther behind
+        x_max = self.x_max * max(1, length)  # on wide domains some exits of points lie downstream
         x_min = x_max - math.ceil((x_max - min(length * self.x_min, -1.25)) / step - 1e-6) * step
         if self.is_line:
             return {"x_min": x_min, "x_max": x_max, "step": step}
@@ -288,18 +295,19 @@ output: {{fields: false}}
         return {"x_min": x_min, "x_max": x_max, "y_max": max(sides, 1.5), "step": step}
 
     def domain_effects(self, finer):
-        """What an endless domain changes of both films. FINER: films of half the step."""
+        """Returns the relative change of both films that an infinite domain causes. finer: films with half the step."""
         short, long, longer = (self.films(self.grid(by)) for by in (1, 2, 4))
         changes = (longer + (longer - long) / 3 - short) / short
         if self.is_line:
             return changes
-        # The minimum film of a point jumps by nodes. So its change is that by twice the domain on half the step, times
-        # the ratio of these changes of the central film.
+        # The place of the minimum film of a point contact jumps from node to node. So its change is measured only for
+        # twice the domain, with half the step. It is multiplied by the ratio of the changes of the central film for an
+        # infinite domain and for twice the domain.
         beyond = changes[0] / (long[0] / short[0] - 1)
         return beyond * (self.films(self.grid(2, self.step / 2)) / finer - 1)
 
     def compare(self):
-        """What fullrun says of both films' errors by step and inlet, and what they are; None: too coarse to tell."""
+        """Returns estimated and true errors of both films due to step and inlet; None: the grid is too coarse."""
         own = self.grid()
         text = self.run(own, resolution=True)
         said = np.array([results.value(f"{self.file}.h5", name) for name in EFFECTS + INLETS]) if text else None
@@ -311,7 +319,8 @@ output: {{fields: false}}
 
 
 def random(folder, kind, count, seed):
-    """Of COUNT scenes of a kind. A reference of a point takes sixteen times as many nodes as its own grid."""
+    """Compares estimates and errors of COUNT random scenes of a kind. The reference of a point contact needs sixteen
+    times as many nodes as its own grid."""
     numbers, compared, coarse = draws.Random(int(seed)), [], 0
     while len(compared) + coarse < int(count):
         scene = RandomScene(folder, kind, numbers)
@@ -358,17 +367,17 @@ def in_time(folder, scene, steps, end):
 
 # ---- Models and formulas, error against time
 
-# Between the training points of the Makefile.
+# M and L of the scenes: between the training points of the Makefile.
 SCENES = [(M, L) for M in (9.5, 12.5, 17.5, 21, 25.5, 31, 38, 47, 58, 72, 89) for L in (2, 4.8, 7.8, 10.8, 13.5)]
 TRUTH = {"discretization": "accurate", "grid.x_min": -16, "grid.x_max": 2}
 TRUTH_STEPS = 0.0025, 0.00125
-DOMAIN = {"grid.x_min": -8, "grid.x_max": 2}  # of the full model, as the training has it
+DOMAIN = {"grid.x_min": -8, "grid.x_max": 2}  # of the full model, as in the training
 REPEAT = 5
 HEADER = ["way", "position", "film", "scenes", "worst", "median", "seconds"]
 
 
 def solved(folder, name, program, settings, *options):
-    """Films, seconds and formulas of all scenes."""
+    """Returns films, seconds and film formulas of all scenes."""
     def run():
         print(f"  measure    {name}", file=sys.stderr)
         found = []
@@ -384,13 +393,14 @@ def solved(folder, name, program, settings, *options):
 
 
 def errors(records, truth, film):
-    """Relative errors of the scenes that are solved."""
+    """Returns the relative errors of the scenes that are solved."""
     return np.array([abs(record[film] / exact[film] - 1) for record, exact in zip(records, truth)
                      if record["status"] != 1])
 
 
 def truth(out, modes, steps):
-    """Errors of all ways against the films of the accurate rows on a long inlet, extrapolated from the two finest steps."""
+    """Prints errors and times of film formulas and of all models. The reference has the accurate discretisation and a
+    long inlet, and is extrapolated from the two finest steps."""
     folder = f"{out}/ways"
     os.makedirs(folder, exist_ok=True)
     coarse, fine = (solved(folder, f"truth-{step}", "fullrun", {**TRUTH, "grid.step": step, "output.resolution": "false"})

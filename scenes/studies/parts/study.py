@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A list of models for parts of a region, and one of all of it where there is one (README.md):
+"""Compares a list of models for parts of a region, and a model of the whole region if it exists (README.md):
 
-    study.py costs FOLDER PLAN.yml MODELS.yml [MODEL.h5]                training, sizes, files and memory of each
+    study.py costs FOLDER PLAN.yml MODELS.yml [MODEL.h5]                training, sizes, files and memory of each model
     study.py draw FOLDER PLAN.yml SEED COUNT MODELS.yml [MODEL.h5]      random scenes at 1 permille: time, deviation, flags
-    study.py border FOLDER PLAN.yml PICTURE.png MODELS.yml              the film where one model follows on another
+    study.py border FOLDER PLAN.yml PICTURE.png MODELS.yml              the film where the ranges of two models overlap
 
-The region is that of a plan, with the scene, region and vary of a group on a line each.
+A plan defines the region. `scene`, `region` and `vary` of its groups have to be one line each.
 """
 import os
 import re
@@ -18,7 +18,7 @@ import results
 
 ACCURACY = 1e-3
 REPEATS = 5
-DATA = 65  # exit code where a model does not serve it
+DATA = 65  # exit code if a model cannot solve the scene with the given options
 FILMS = ["central_film_thickness", "minimum_film_thickness"]
 EFFECTS = ["step_effect", "step_effect_minimum", "inlet_effect"]
 
@@ -27,7 +27,8 @@ EFFECTS = ["step_effect", "step_effect_minimum", "inlet_effect"]
 
 
 class Group:
-    """A group of a plan: its scene, bounds (key to pair of numbers), other settings (key to texts), and of M and alpha p_H."""
+    """A group of a plan: its scene, the bounds of its settings (key to pair of numbers), the values of other settings
+    (key to texts), and the bounds of M and alpha p_H (where)."""
 
     def __init__(self, text):
         lists = {line: re.findall(r"([\w.]+): \[(.*?)\]", found[0]) if (found := re.findall(rf"^ +(?:- )?{line}: (.*)", text, re.M))
@@ -42,7 +43,7 @@ class Group:
         return [*self.bounds, *self.choices]
 
     def draw(self, random):
-        """A scene's values of the keys; numbers are even in their logarithms, but L."""
+        """Draws the values of all keys for a scene. Numbers other than L are distributed evenly in their logarithms."""
         values = [random.uniform(*pair) if key == "moes.L" else np.exp(random.uniform(*np.log(pair)))
                   for key, pair in self.bounds.items()]
         return [f"{value:.12g}" for value in values] + [texts[random.integers(len(texts))] for texts in self.choices.values()]
@@ -54,7 +55,8 @@ def read_plan(file):
 
 
 def write_scenes(folder, drawn):
-    """Of groups and the values of their keys: a scene each, on the model's grid, and its table of points."""
+    """Writes a scene and a table of points for each group with drawn values. Returns both names for each group. The
+    scenes have no grid, so they are solved on the grid of the model."""
     files = []
     for i, (group, points) in enumerate(drawn):
         scene, table = f"{folder}/scene-{i}.yml", f"{folder}/points-{i}.csv"
@@ -68,7 +70,7 @@ def write_scenes(folder, drawn):
 
 
 def solve_reduced(model, files, table, *options):
-    """Of all scenes of all files: status, M, alpha p_H, films, part and time (s)."""
+    """Solves all scenes of all files with a model. Returns status, M, alpha p_H, films, part and time (s)."""
     names = ["status", "moes_M", "alpha_p_H", *FILMS, "part", "solve_seconds [s]"]
     columns = {name: [] for name in names}
     for scene, points in files:
@@ -80,7 +82,7 @@ def solve_reduced(model, files, table, *options):
 
 
 def solve_full(found, folder, drawn, model, part, wanted):
-    """The same scenes by the full model on a model's grid, those of them that are wanted: their status and films in found."""
+    """Solves the wanted scenes with the full model on the grid of a model. Stores their status and films in `found`."""
     plan, first = f"{folder}/plan-{part}.yml", 0
     with open(plan, "w") as target:
         target.write("groups:\n")
@@ -98,7 +100,8 @@ def solve_full(found, folder, drawn, model, part, wanted):
 
 
 def reference(folder, drawn, models, part):
-    """The full model's status and films, each on the grid of the model that has solved the scene; NaN: of no part."""
+    """Returns status and films of the full model, on the grid of the part that has solved the scene. `part` is NaN, and
+    the result as well, if no part is to be compared."""
     found = {name: np.full(len(part), np.nan) for name in ("status", *FILMS)}
     for p in np.unique(part[~np.isnan(part)]).astype(int):
         solve_full(found, folder, drawn, models[p], p, part == p)
@@ -113,12 +116,12 @@ def part_name(model):
 
 
 def extent(model):
-    """Lowest and highest M of a model, by its folder's name."""
+    """Returns the lowest and highest M of a model, from the name of its folder."""
     return [float(edge) for edge in part_name(model).split("-")]
 
 
 def memory_of(scene, model):
-    """Memory of a run with one scene, MB, whatever comes of it."""
+    """Returns the memory in MB of a run with one scene, converged or not."""
     run = subprocess.Popen([os.path.join(os.environ["BIN"], "romrun"), scene, "--model", model, "--quiet"],
                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     _, code, used = os.wait4(run.pid, 0)
@@ -128,8 +131,8 @@ def memory_of(scene, model):
 
 
 def costs(folder, plan, models, *whole):
-    """What each model was trained on and takes; how much the step and the inlet of its grid have to do with the films of its
-    training, at most; of the list the sums."""
+    """Prints the training, size, file and memory of each model, and the largest effects of the step and the inlet of
+    its grid on the films of its training. The line `list` has the sums of the parts."""
     rows = [["M", "nodes", "points", "rounds, min", "modes", "rows", "model, MB", "a run, MB", "step's effect: H_c", "H_m", "inlet's: H_c"],
             None]
     scene, parts = f"{folder}/scene.yml", results.listed_models(models)
@@ -152,7 +155,7 @@ def costs(folder, plan, models, *whole):
 
 
 def summary(name, solved, full, mine):
-    """A row of the table of draw, of some of the scenes."""
+    """Returns a row of the table of draw, for some of the scenes."""
     known = mine & (full["status"] == 0)
     off = np.max([np.abs(solved[film] / full[film] - 1) for film in FILMS], axis=0)
     quiet, flagged = known & (solved["status"] == 0), known & (solved["status"] == results.NOT_TRUSTED)
@@ -164,7 +167,7 @@ def summary(name, solved, full, mine):
 
 
 def solve_timed(model, files, table, *options):
-    """solve_reduced with the least time of REPEATS runs."""
+    """Like solve_reduced, with the least time of REPEATS runs."""
     solved = solve_reduced(model, files, table, *options)
     for _ in range(REPEATS - 1):
         again = solve_reduced(model, files, table, *options)["solve_seconds"]
@@ -173,14 +176,14 @@ def solve_timed(model, files, table, *options):
 
 
 def serves(model, scene, settings, *options):
-    """Whether a model has sizes for what options ask of it."""
+    """Returns whether a model has a size for the given options."""
     return results.run("romrun", scene, *results.sets(settings), "--model", model, "--quiet", *options,
                        outcomes=range(256)).returncode != DATA
 
 
 def draw(folder, plan, seed, count, models, *whole):
-    """Random scenes with an accuracy of 1 permille asked for: of each part those that it has solved, of the list all. Left out
-    are those that the plan leaves out."""
+    """Solves random scenes with an accuracy of 1 permille. Prints a row for each part with the scenes that it has
+    solved, and a row for the list with all scenes. Scenes that the plan excludes are left out."""
     header = ["M", "scenes", "full has none", "not solved", "flagged", "of these good", "silent", "H_c, worst", "H_m, worst",
               "ms: median", "mean", "90 %", "95 %", "worst"]
     random, groups, parts = np.random.default_rng(int(seed)), read_plan(plan), results.listed_models(models)
@@ -207,8 +210,8 @@ def draw(folder, plan, seed, count, models, *whole):
 
 
 def path(group, count):
-    """Values of the keys on a way through the region on which M grows: other numbers than M, and those that it does not grow
-    with, are in the middle."""
+    """Returns values of the keys on a path through the region on which M increases. Settings that do not change M have
+    the middle of their range."""
     middle = {key: np.full(count, np.sqrt(np.prod(pair))) for key, pair in group.bounds.items()}
     for key in ("moes.M", "physical.load", "physical.speed"):
         if key in group.bounds:
@@ -219,8 +222,9 @@ def path(group, count):
 
 
 def border(folder, plan, picture, models):
-    """The central film over M by the list, and how far it and each part are off the full model on the grid of the part that the
-    list takes: by that of the first group, of each of what it varies."""
+    """Draws the central film of the list over M, and the deviations of the list and of each part from the full model on
+    the grid of the part that the list uses. The scenes are those of the first group, with a curve for each value of the
+    setting that it varies."""
     import pictures
 
     group, parts, off, jumps = read_plan(plan)[0], results.listed_models(models), [], []

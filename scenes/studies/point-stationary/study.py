@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Exit lines, speed and growth of the stationary point contact (Makefile)."""
+"""Draws exit lines, and measures speed and growth of the stationary point contact (Makefile)."""
 import os
 import shlex
 
@@ -9,7 +9,7 @@ import results
 
 
 def exit_line(file):
-    """X and Y of the exit line."""
+    """Returns X and Y of the exit line."""
     columns = results.printed(file, "exit_position", "y")
     return columns["exit_position"], columns["y"]
 
@@ -28,10 +28,10 @@ def exits(picture, folder, model, *names):
 
 
 def speed(folder, model, settings, sizes):
-    """Prints time and deviations of the reduced model beside the full one, case by case, on one thread: the least of
-    three cold starts of the full model, the median of many online solutions; deviations of central and minimum film;
-    by how many nodes the exit lines differ, mean and largest of all lines. The last line: the worst of all cases inside
-    the training. Settings: options of both programs; sizes: of romrun alone, such as --pressure-modes 50."""
+    """Prints times and deviations of both models for each case, on one thread: the least time of three cold starts of
+    the full model, the median time of many online solutions, the deviations of central and minimum film, and the mean
+    and largest distance of the exit lines in nodes. The last line has the worst values of all cases inside the
+    training. settings: options of both programs; sizes: options of romrun only, such as --pressure-modes 50."""
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
     print(f"{'':12}      full   reduced     full/  iterations        H_c        H_m    exit, nodes")
     print(f"{'case':12}         s        ms   reduced  full, red.   permille   permille  mean, largest", flush=True)
@@ -63,9 +63,9 @@ def speed(folder, model, settings, sizes):
 
 
 def growth(folder, step, modes, rows):
-    """Prints what an online solution costs on a grid, with as many modes and rows as on any other: lines of the half
-    grid, nodes, unknowns, rows, needed nodes, iterations, milliseconds, microseconds an iteration. Reads
-    FOLDER/growth-STEP-snapshots.h5."""
+    """Prints the cost of an online solution on a grid. The numbers of modes and rows are the same on all grids.
+    Columns: lines of the half grid, nodes, unknowns, rows, needed nodes, iterations, milliseconds, microseconds per
+    iteration. Reads FOLDER/growth-STEP-snapshots.h5."""
     snapshots, basis, residuals, model, result = (f"{folder}/growth-{step}-{part}.h5" for part in (
         "snapshots", "basis", "residuals", "model", "result"))
     grid = ["--force", "--set", f"grid.step={step}"]
@@ -76,7 +76,7 @@ def growth(folder, step, modes, rows):
                 outcomes=[0])
     solved = []
     for M, L in (17, 4.5), (19.5, 5.5), (22, 6.5), (26, 5), (27, 6):
-        # what lies beyond the thin training counts here too
+        # solutions outside of the small training count too
         results.run("romrun", "scene.yml", "--model", model, "--allow-untrusted", "--repeat", 201, "-o", result, *grid,
                     *results.sets({"moes.M": M, "moes.L": L}), outcomes=[0])
         solved.append(results.solution(result))

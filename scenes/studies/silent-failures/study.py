@@ -1,20 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Does a reduced model know when it is wrong (README.md)?
+"""Tests whether a reduced model flags its wrong results (README.md):
 
     study.py training NAME FOLDER                               writes FOLDER/scene.yml and plan.yml of a training
     study.py draw FOLDER SEED COUNT MODEL.h5 SCENE.yml [own|region|oils]
-                                                                random scenes around the training points of the model,
-                                                                trained on SCENE.yml: FOLDER/plan.yml and more
+                                                                draws random scenes around the training points of the
+                                                                model, trained on SCENE.yml: FOLDER/plan.yml and more
     study.py run FOLDER MODEL.h5 SETTINGS PROMISE...            solves them with a calibrated model: FOLDER/runs.csv
-    study.py table RUNS.csv SEED CALIBRATION_SEED               counts; exit code 1 where a run ended otherwise
+    study.py table RUNS.csv SEED CALIBRATION_SEED               prints counts; exit code 1 if a run ended with an error
 
-Half of the scenes lie inside of the hull of the training points in ln M and ln(alpha p_H), half outside but within a rectangle
-of twice its extent; with `own` all are inside and of the lubricant that the model was trained with. With `region` they are
-SCENE.yml with settings within the bounds of the first region of the plan beside it, by turns evenly distributed and so in
-their logarithms. With `oils` all are inside and of other oils: by turns the trained one with alpha +-8 % and eta0 +-20 %, the
-trained one with the other density, and any law, parameters and density; half of them slide, by any law of shear stress.
-Kind of contact, grid and the lubricant called its own are those of the scene that was trained on. MODEL.h5 may be
-a list of models.
+Half of the scenes lie inside of the convex hull of the training points in ln M and ln(alpha p_H). The other half lies
+outside, within a rectangle of twice the extent of the training points. There are three other kinds of scenes:
+
+    own       all scenes are inside, and have the lubricant of the training
+    region    SCENE.yml with settings inside of the first region of the plan beside SCENE.yml; by turns they are
+              distributed evenly, and evenly in their logarithms
+    oils      all scenes are inside, and have other oils: by turns the trained oil with alpha +-8 % and eta0 +-20 %,
+              the trained oil with the other density law, and any laws and parameters; half of the scenes slide, with
+              any law of shear stress
+
+SCENE.yml gives the kind of contact, the grid, and the lubricant of the training. MODEL.h5 may be a list of models. A
+promise is an accuracy for romrun.
 """
 import json
 import os
@@ -29,25 +34,25 @@ import numpy as np
 
 import results
 
-# Laws that are always drawn: alpha in 1/Pa, None: drawn between 1e-8 and 3e-8; the highest Hertz pressure in Pa, so
-# that the spike stays below that of the law.
+# Viscosity laws of the scenes: alpha in 1/Pa (None: drawn between 1e-8 and 3e-8), and the highest Hertz pressure in Pa,
+# at which the spike stays below the largest pressure of the law.
 LAWS = {"law: wlf, preset: no1": (23.60e-9, 9e9), "law: wlf, preset: no2": (12.51e-9, 4e9),
         "law: wlf, preset: no3": (18.05e-9, 3.8e9), "law: barus": (None, 1e12),
         "law: roelands, eta0: 0.04": (None, 1e12)}
 DENSITIES = ["dowson-higginson", "incompressible"]
-# Viscosity of the presets at 25 degC, Pa s, by eq. 40 (common/physics/README.md).
+# Viscosity of the presets at 25 degC, Pa s, from eq. 40 (common/physics/README.md).
 ETA0 = {"no1": 1e12 * 10 ** (-16.04 * 98.86 / 117.04), "no2": 1e12 * 10 ** (-15.87 * 138.79 / 149.01),
         "no3": 1e7 * 10 ** (-11.84 * 112.46 / 173.05)}
-# Of the bodies of contacts in SI units: radius in m, modulus in Pa.
+# Reduced radius (m) and modulus (Pa) of contacts in SI units.
 RADIUS, MODULUS = 0.01, 230e9
-# Laws of shear stress with what is drawn of them: bounds, even in the logarithm.
+# Laws of shear stress, with bounds of their parameters, which are drawn evenly in their logarithms.
 SHEARS = {"law: newtonian": {}, "law: eyring": {"tau0": (2e6, 2e7)}, "law: limiting": {"limit": (0.02, 0.1)},
           "law: carreau": {"G": (1e5, 1e7), "n": (0.3, 0.9)}}
 MOST_L = 40
 
-# Trainings on all LAWS, compressible and not: kind of contact and grid; bounds on M and L; candidates for each law; the law,
-# M and L of scene.yml; and for some laws bounds on alpha p_H. Above these bounds a WLF law does not hold, or
-# ../stationary-line-high has no training. Laws without an alpha are trained on ALPHAS.
+# Trainings on all LAWS, compressible and incompressible: kind of contact and grid; bounds of M and L; candidates for
+# each law; the law, M and L of scene.yml; for some laws bounds of alpha p_H. Above these bounds a WLF law does not
+# hold, or ../stationary-line-high has no training. Laws without an alpha are trained on the range ALPHAS.
 ALPHAS = [1e-8, 3e-8]
 LUBRICANTS = {
     "lubricants": {
@@ -61,8 +66,8 @@ LUBRICANTS = {
         "contact": "point", "grid": "x_min: -8, x_max: 2, step: 0.125, y_max: 6, half: true", "M": [10, 46], "L": [2.5, 13],
         "candidates": 100, "own": "law: barus", "moes": "M: 20, L: 8", "own_alpha": 2.2e-8, "alpha_p_H": {}},
 }
-# Trainings in SI units on the loads and speeds of one contact with one oil. The plan of the roller chooses its grid by M and
-# L; the grid of scene.yml is the one that it chooses.
+# Trainings in SI units on the loads and speeds of one contact with one oil. In the plan of the roller the grid follows
+# from M and L; scene.yml has the same grid.
 LOADS_AND_SPEEDS = {
     "roller": {
         "contact": "line", "grid": "x_min: -32, x_max: 2, step: 0.01", "chosen_grid": True,
@@ -82,20 +87,20 @@ FILMS = ["central", "minimum"]
 FORCES = ["friction_coefficient", "rolling_resistance"]  # of scenes that slide
 RUN = ["promise", "where", "whose", "code", "central", "minimum", "indicated_central", "indicated_minimum", *FORCES, "fields",
        "full_central", "full_minimum", *(f"full_{force}" for force in FORCES)]
-LEAST_OFF = 1e-7  # below, deviations are no longer those of the model
+LEAST_OFF = 1e-7  # smaller deviations are not errors of the model
 
 
 # ---- Trainings
 
 
 def scene_text(contact, settings, viscosity, grid=""):
-    """A scene with lines of settings; density by the first law."""
+    """Returns a scene with lines of settings and the first density law."""
     return (f"contact: {contact}\nregime: stationary\n{settings}\nlubricant:\n  viscosity: {{{viscosity}}}\n"
             f"  density: {{law: {DENSITIES[0]}}}\n" + (f"grid: {{{grid}}}\n" if grid else ""))
 
 
 def plan_of_lubricants(of):
-    """A group for each law, the law of scene.yml first."""
+    """Returns a plan with a group for each law, the law of scene.yml first."""
     plan = "groups:\n"
     for law in sorted(LAWS, key=lambda law: law != of["own"]):
         alpha = f", lubricant.viscosity.alpha: {ALPHAS}" if LAWS[law][0] is None else ""
@@ -110,7 +115,7 @@ def plan_of_lubricants(of):
 
 
 def training(name, folder):
-    """scene.yml is one of the trained contacts: draw takes its kind, grid and lubricant."""
+    """Writes plan.yml and scene.yml. scene.yml is a trained contact, from which draw takes kind, grid and lubricant."""
     if name in LUBRICANTS:
         of = LUBRICANTS[name]
         own = of["own"] + (f", alpha: {of['own_alpha']}" if "own_alpha" in of else "")
@@ -134,8 +139,8 @@ def training(name, folder):
 
 
 def read_scene(file):
-    """Kind of contact, lines of discretisation and grid, viscosity, line of physical settings (or empty), and density of a
-    scene."""
+    """Returns kind of contact, lines of discretisation and grid, viscosity, line of physical settings (or empty), and
+    density of a scene."""
     with open(file) as source:
         lines = {line.split(":")[0].strip(): line.rstrip() for line in source}
     return (re.sub(" *#.*", "", lines["contact"].split(":")[1]).strip(),
@@ -145,7 +150,7 @@ def read_scene(file):
 
 
 def read_region(file):
-    """Bounds of the settings of the first region of a plan."""
+    """Returns the bounds of the settings of the first region of a plan."""
     with open(file) as source:
         region = re.search(r"^ *region: *{(.*)}", source.read(), flags=re.M)
     bounds = dict(re.findall(r"([\w.]+): *\[(.*?)\]", region[1])) if region else {}
@@ -155,7 +160,7 @@ def read_region(file):
 
 
 def laws_of(viscosity):
-    """All laws, that of the scene that was trained on first."""
+    """Returns all laws, the law of the training first."""
     if "preset: no1" in viscosity:
         return LAWS
     alpha = re.search(r"alpha: *([-+.0-9e]+)", viscosity)
@@ -165,7 +170,7 @@ def laws_of(viscosity):
 
 
 def hull_edges(points):
-    """Pairs of points that have all others on their left, or on their line."""
+    """Returns the edges of the convex hull: pairs of points with all other points on their left, or on their line."""
     to = points[None] - points[:, None]
     turns = to[:, :, None, 0] * to[:, None, :, 1] - to[:, :, None, 1] * to[:, None, :, 0]
     rounding = 1e-12 * np.ptp(points, axis=0).prod()
@@ -177,8 +182,8 @@ def is_inside(edges, place):
 
 
 def drawn_in_region(bounds, count, random):
-    """Entries of scenes.json by (number of the law, of the density): settings within bounds, by turns even and even in the
-    logarithm."""
+    """Returns entries of scenes.json by (number of the law, number of the density). Their settings are inside of
+    bounds, by turns distributed evenly, and evenly in the logarithm."""
     def settings(logarithmic):
         return {key: f"{np.exp(random.uniform(*np.log(pair))) if logarithmic else random.uniform(*pair):.12g}"
                 for key, pair in bounds.items()}
@@ -187,7 +192,8 @@ def drawn_in_region(bounds, count, random):
 
 
 def places_around_hull(contact, model, random):
-    """Draws M and alpha p_H inside or outside of the hull of a model's training points; and L of both."""
+    """Returns two functions: the first draws M and alpha p_H inside or outside of the convex hull of a model's training
+    points, the second computes L."""
     trained = np.concatenate([np.array(list(results.printed(part, "state_moes_M", "state_alpha_p_H").values())).T
                               for part in results.listed_models(model)])
     edges = hull_edges(np.log(trained))
@@ -207,7 +213,7 @@ def places_around_hull(contact, model, random):
 
 
 def drawn_around_hull(laws, places, count, own, random):
-    """Groups by number of law and density of scenes inside and outside."""
+    """Returns groups of scenes inside and outside, by (number of the law, number of the density)."""
     place, moes_L = places
     groups = {}
     for i in range(count):
@@ -233,8 +239,8 @@ def even_in_logarithm(random, low, high):
 
 
 def drawn_oil(turn, viscosity, density, random):
-    """Law of viscosity, its parameters, highest Hertz pressure, and density: by turns near the trained one, as that but for
-    the density, and any."""
+    """Returns viscosity law, its parameters, highest Hertz pressure, and density law of an oil: by turns an oil near
+    the trained oil, the trained oil with the other density law, and any oil."""
     other = DENSITIES[1 - DENSITIES.index(density)]
     law = re.sub(r"[, ]*(alpha|eta0): *[-+.0-9e]+", "", viscosity).strip()
     own = {key: float(value) for key, value in re.findall(r"(alpha|eta0): *([-+.0-9e]+)", viscosity)}
@@ -253,7 +259,7 @@ def drawn_oil(turn, viscosity, density, random):
 
 
 def in_si_units(contact, M, hertz_pressure, eta0):
-    """Load and speed of a contact on bodies of RADIUS and MODULUS."""
+    """Returns load and speed of a contact of bodies with RADIUS and MODULUS."""
     if contact == "point":
         load = 2 * np.pi ** 3 / 3 * hertz_pressure ** 3 * RADIUS ** 2 / MODULUS ** 2
         speed_number = 0.5 * (load / (MODULUS * RADIUS ** 2) / M) ** (4 / 3)
@@ -264,7 +270,7 @@ def in_si_units(contact, M, hertz_pressure, eta0):
 
 
 def drawn_oils(contact, viscosity, density, place, count, random):
-    """Groups by (law, density, law of shear stress) of scenes inside."""
+    """Returns groups of scenes inside, by (law, density, law of shear stress)."""
     groups = {}
     for i in range(count):
         while True:
@@ -287,7 +293,8 @@ def drawn_oils(contact, viscosity, density, place, count, random):
 
 
 def draw(folder, seed, count, model, scene_file, of=""):
-    """Random scenes: plan.yml, scenes.json with an entry each in the plan's order, and the scene files of it."""
+    """Draws random scenes. Writes plan.yml with its scene files, and scenes.json with an entry for each scene in the
+    order of the plan."""
     contact, grid, viscosity, physical, density = read_scene(scene_file)
     laws = list(laws_of(viscosity).items())
     random = np.random.default_rng(int(seed))
@@ -323,8 +330,8 @@ def draw(folder, seed, count, model, scene_file, of=""):
 
 
 def beyond_neighbours(field, other):
-    """How far a field [x] or [y, x] is at most outside of the range of the other at the node and its neighbours, and the
-    other of its: what is shifted by less than a node is not."""
+    """Returns the largest distance of a field ([x] or [y, x]) from the range of the other field at the node and its
+    neighbours, and vice versa. So a shift by less than a node is no deviation."""
     def once(a, b):
         padded = np.pad(b, 1, mode="edge")
         around = [padded[tuple(slice(s, s + n) for s, n in zip(shift, b.shape))] for shift in np.ndindex(*[3] * b.ndim)]
@@ -333,8 +340,8 @@ def beyond_neighbours(field, other):
 
 
 def fields_off(file, pressure, film, central):
-    """The larger deviation of both fields: of P in Hertz pressures, of H over the central film where there is P. A result has
-    both halves of a point contact, pressure and film maybe the one with y >= 0 alone."""
+    """Returns the larger deviation of both fields: of P in Hertz pressures, and of H at nodes with pressure over the
+    central film. A result file has both halves of a point contact; `pressure` and `film` may have only one (y >= 0)."""
     pressure, film = np.squeeze(pressure), np.squeeze(film)
     found = [np.squeeze(file[name][()])[-len(pressure):] for name in ("pressure", "film_thickness")]
     inside = pressure > 0
@@ -343,12 +350,12 @@ def fields_off(file, pressure, film, central):
 
 
 def text_of(file, name):
-    """A number of an open file, or nothing."""
+    """Returns a number of an open file as text, or an empty text."""
     return repr(float(np.squeeze(file[name][()]))) if name in file else ""
 
 
 def read_run(file, full, i):
-    """Films, indicated deviations, forces and deviation of the fields of a result: texts, empty where there is none."""
+    """Returns films, error estimates, forces and deviation of the fields as texts; missing values are empty."""
     if not os.path.exists(file):
         return [""] * (2 * len(FILMS) + len(FORCES) + 1)
     with h5py.File(file) as result:
@@ -364,8 +371,9 @@ def read_run(file, full, i):
 
 
 def run(folder, model, settings, *promises):
-    """Solves the scenes with promises, two at a time: exit code of romrun, what read_run finds, and H_c and H_min of the
-    full model, or empty. A promise that is none asks for nothing, so that 1 % holds. Settings: more options of romrun."""
+    """Solves the scenes with each promise, two at a time. Writes the exit code of romrun, the values of read_run, and
+    H_c and H_min of the full model (or empty). With the promise `none`, romrun gets no accuracy, so the limit is 1 %.
+    settings: further options of romrun."""
     with open(f"{folder}/scenes.json") as source:
         scenes = json.load(source)
     with h5py.File(f"{folder}/full.h5") as file:
@@ -418,8 +426,9 @@ def off_of(run, which):
 
 
 def outcome(run):
-    """A scene is good where both films deviate by no more than promised, and flagged with exit code 4. One that does
-    not converge, exit code 3, has no result that could be wrong. Returns what it is, and the larger deviation."""
+    """Returns the outcome of a run, and the larger deviation of both films. A run is good if both films deviate by no
+    more than the promise, and flagged if the exit code is 4. A run that does not converge (exit code 3) has no result
+    that could be wrong."""
     code = int(run["code"])
     if not run["full_central"]:
         return "no reference", 0
@@ -433,7 +442,7 @@ def outcome(run):
 
 
 def print_fields(runs):
-    """Fields of results that are not flagged, over what was promised of the films."""
+    """Prints the errors of the fields of results that are not flagged, over the promise for the films."""
     quiet = [float(run["fields"]) / promised(run) for run in runs if run["code"] == "0" and run["fields"]]
     if quiet:
         far = sum(off > 3 for off in quiet)
@@ -442,7 +451,7 @@ def print_fields(runs):
 
 
 def print_forces(runs):
-    """Forces of results that are not flagged, over what was promised of the films."""
+    """Prints the errors of the forces of results that are not flagged, over the promise for the films."""
     for force in FORCES:
         quiet = [off_of(run, force) / promised(run) for run in runs
                  if run["code"] == "0" and run[force] and run[f"full_{force}"]]
@@ -452,7 +461,7 @@ def print_forces(runs):
 
 
 def print_effectivity(runs):
-    """Indicated over true deviation of those inside that are solved."""
+    """Prints ratios of error estimate to true error, for solved scenes inside."""
     for which in FILMS:
         over = [float(run[f"indicated_{which}"]) / off_of(run, which) for run in runs
                 if run["where"] == "inside" and outcome(run)[0].startswith(("good", "bad"))
@@ -464,7 +473,7 @@ def print_effectivity(runs):
 
 
 def table(file, seed, calibration):
-    """What was flagged and what was not."""
+    """Prints the numbers of flagged and of other results."""
     groups = {"inside own": "inside, own lubricant", "inside other": "inside, other lubricants",
               "outside": "outside, any lubricant", "inside near": "near it", "inside density": "of the other density",
               "inside any": "any oil"}

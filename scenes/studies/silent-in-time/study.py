@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Does a reduced model in time know when it is wrong (README.md)?
+"""Tests whether a reduced model flags its wrong results in transient runs (README.md):
 
-    study.py draw FOLDER SEED COUNT [plan]      random histories of load and speed: FOLDER/NUMBER.yml or, to calibrate
-                                                on, without tables, FOLDER/plan.yml
-    study.py run FOLDER MODEL.h5 PROMISE...     solves them with the full model, and with a calibrated one once a
-                                                promise (a number; none: 1 % holds; fallback: 1 % holds, and the full
-                                                model solves what the reduced one does not): FOLDER/runs.csv
-    study.py table RUNS.csv SEED                counts; exit code 1 where a run ended otherwise
+    study.py draw FOLDER SEED COUNT [plan]      draws random histories of load and speed: FOLDER/NUMBER.yml or, for a
+                                                calibration and without tables, FOLDER/plan.yml
+    study.py run FOLDER MODEL.h5 PROMISE...     solves them with the full model and, for each promise, with a calibrated
+                                                model: FOLDER/runs.csv. A promise is a number (the accuracy), none (the
+                                                limit is 1 %), or fallback (the limit is 1 %, and the full model solves
+                                                what the reduced model does not)
+    study.py table RUNS.csv SEED                prints counts; exit code 1 if a run ended with an error
 
-A history is a sine, a ramp, a step or a table, or nothing varies; one of load and speed does at least. Two thirds of
-the histories keep within what the plan of the training spans, a third may go beyond.
+The history of load or speed is a sine, a ramp, a step, a table, or constant; at least one of both varies. Two thirds of
+the histories stay inside of the range of the training plan, a third may go beyond.
 """
 import os
 import re
@@ -21,17 +22,17 @@ import numpy as np
 import results
 
 END = 2.5
-LOAD, SPEED = (0.87, 1.13), (0.75, 1.25)  # factors inside; of the training 0.85 to 1.15 and 0.7 to 1.3
-BEYOND = 2  # times as wide
+LOAD, SPEED = (0.87, 1.13), (0.75, 1.25)  # factors inside; the training has 0.85 to 1.15 and 0.7 to 1.3
+BEYOND = 2  # ranges outside over ranges inside
 RUN = ["number", "where", "promise", "code", "common", "central", "minimum", "load", "speed", "cost"]
-OPTIONS = {"none": [], "fallback": ["--fallback", "full"]}  # of a promise that is no number
+OPTIONS = {"none": [], "fallback": ["--fallback", "full"]}  # options for promises that are no number
 
 
 # ---- Histories
 
 
 def history(random, bounds, kinds, table):
-    """A history between bounds as settings of one, or None; a table is written to the file named."""
+    """Draws a history between bounds. Returns its settings, or None if it is constant. A table is written to a file."""
     low, high = bounds
     kind = random.choice(kinds)
     first, second = random.uniform(low, high, 2)
@@ -59,7 +60,7 @@ def flow(settings):
 
 
 def draw(folder, seed, count, plan=""):
-    """Scenes of random histories with fixed steps, as compare with those of the full model."""
+    """Draws scenes with random histories. Steps are fixed, so that both models have the same times."""
     with open("scene.yml") as source:
         scene = re.sub(r"^transient:.*(\n .*)*\n", "", source.read(), flags=re.M)
     random = np.random.default_rng(int(seed))
@@ -93,13 +94,13 @@ def draw(folder, seed, count, plan=""):
 
 
 def processor_seconds():
-    """Of all programs that have ended."""
+    """Returns the processor time of all programs that have ended."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
 
 def solved(program, scene, out, *options):
-    """Exit code, processor time, and times with central and minimum film of a run."""
+    """Runs a program. Returns its exit code, its processor time, and times with central and minimum film."""
     before = processor_seconds()
     code = results.run(program, scene, "-o", out, "--force", "--quiet", "--set", "output.fields=false", *options,
                        outcomes=range(-255, 256)).returncode
@@ -111,7 +112,7 @@ def solved(program, scene, out, *options):
 
 
 def run(folder, model, *promises):
-    """Runs all scenes with promises. The cost is the processor time over the full model's."""
+    """Runs all scenes with all promises. The cost is the processor time over that of the full model."""
     with open(f"{folder}/count") as source:
         count = int(source.read())
     runs = []
@@ -143,7 +144,7 @@ def run(folder, model, *promises):
 
 
 def outcome(run):
-    """What a run is, and by how much the worse of its films is off."""
+    """Returns the outcome of a run, and the larger error of its films."""
     if not run["promise"]:
         return "no reference", 0
     code = int(run["code"])
@@ -158,7 +159,7 @@ def outcome(run):
 
 
 def table(file, seed):
-    """What was flagged and what was not."""
+    """Prints the numbers of flagged and of other runs."""
     listed = results.read_csv(file)
     runs = [(run["promise"], run["where"], *outcome(run)) for run in listed]
     print(f"seed {seed}\n")

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rough surfaces that pass a contact, beside published films (README.md):
+"""Compares films over rough surfaces with published films (README.md):
 
-    study.py waviness FOLDER AMPLITUDE OPTIONS...    what is left of waves in pure rolling; AMPLITUDE: over the central film
+    study.py waviness FOLDER AMPLITUDE OPTIONS...    remaining amplitude of waves in pure rolling; AMPLITUDE: over film
     study.py draw-waviness TABLE.txt PICTURE.png
-    study.py dimple ROLLING.h5 SLIDING.h5            film on the centre line: differences, moment by moment
-    study.py undisturbed FOLDER OPTIONS...           moment 1 of pure rolling on other grids and with other numbers
+    study.py dimple ROLLING.h5 SLIDING.h5            differences of the film on the centre line at each moment
+    study.py undisturbed FOLDER OPTIONS...           moment 1 of pure rolling on other grids and with other settings
     study.py draw-dimple PICTURE.png ROLLING.h5 SLIDING.h5
 """
 import h5py
@@ -14,8 +14,8 @@ import results
 
 # ---- Waves
 
-# Settings of waviness.yml for each contact. The waves of the point contact are as long across as the contact is wide; its grid
-# has 129 by 129 nodes.
+# Settings that replace those of waviness.yml for each contact. The wave crests of the point contact are as long as the
+# contact is wide; its grid has 129 by 129 nodes.
 CONTACTS = {"line": {},
             "point": {"contact": "point", "grid.x_min": -3, "grid.x_max": 1.5, "grid.step": 0.03515625, "grid.y_max": 2.25,
                       "transient.end_time": 7, "transient.fixed_step": 0.03515625}}
@@ -25,8 +25,8 @@ WAVES = {"line": [(100, 11, (2, 1, 0.5, 0.25, 0.125)), (200, 5, (1, 0.5, 0.25)),
                   (20, 10, (2, 1, 0.5))],
          "point": [(100, 10, (2, 1, 0.5))]}
 
-# Computed values of C. H. Venner, F. Couhier, A. A. Lubrecht, J. A. Greenwood, Tribology Series 32 (1997) 103-112, Table
-# 1, with an amplitude of a tenth of the central film.
+# Computed values of C. H. Venner, F. Couhier, A. A. Lubrecht, J. A. Greenwood, Tribology Series 32 (1997) 103-112,
+# Table 1, with an amplitude of a tenth of the central film.
 COMPUTED = {(100, 11, 2): 0.073, (100, 11, 1): 0.183, (100, 11, 0.5): 0.394, (100, 11, 0.25): 0.660,
              (100, 11, 0.125): 0.839}
 
@@ -36,14 +36,15 @@ def argument(contact, M, L, wavelength):
 
 
 def curve(contact, argument):
-    """The published fits: lines by Venner et al. (1997), eq. 5; circular contacts with waves across the entrainment."""
+    """Returns the published fit: for lines Venner et al. (1997), eq. 5; for circular contacts the fit for wave crests
+    across the entrainment."""
     first, second = (0.17, 0.03) if contact == "line" else (0.15, 0.015)
     return 1 / (1 + first * argument + second * argument**2)
 
 
 def left(file, wavelength, amplitude):
-    """Returns the part of the amplitude that is left. A wave is fitted to the film at X = 0 over the last two units of T,
-    whole waves, when the waviness's end has left."""
+    """Returns the remaining part of the amplitude. A wave is fitted to the film at X = 0, over whole waves in the last
+    two units of T, when the end of the waviness has left the contact."""
     columns = results.printed(file, "time", "central_film_thickness")
     time, film = columns["time"], columns["central_film_thickness"]
     last = time > time[-1] - max(1, np.floor(2 / wavelength)) * wavelength - 1e-9
@@ -54,7 +55,7 @@ def left(file, wavelength, amplitude):
 
 
 def central_film(settings, file, options):
-    """Of smooth surfaces: the start."""
+    """Returns the central film of smooth surfaces, which is the film at the start."""
     results.run("fullrun", "waviness.yml", "-o", file, "--force", "--quiet", *options,
                 *results.sets({**settings, "transient.end_time": 1e-3, "transient.fixed_step": 1e-3}))
     return results.printed(file, "central_film_thickness")["central_film_thickness"][0]
@@ -106,8 +107,8 @@ def draw_waviness(table, picture):
 FILMS = "mourier-2006.csv"
 WITHIN = 90  # um from the centre: beyond, the digitised films are steep
 
-# Of the published simulations where the middle of the dimple is, um: where it is deepest, in rolling the middle at half
-# its depth. None: it has not come in yet.
+# Position of the dimple in the published simulations, um: its deepest point or, in rolling, the middle at half of its
+# depth. None: the dimple has not yet entered.
 CASES = {"ssr0": [None, -99.0, -43.5, 21.6, 106.0], "ssr-05": [-128.0, -69.0, -38.0, -8.0, 81.0]}
 
 
@@ -119,7 +120,8 @@ def published(case, kind, moment):
 
 
 def films(file, case):
-    """x (um) and for each moment where the dimple is and the film (nm) on Y = 0, of the step nearest to it."""
+    """Returns x (um) and, for each moment, the position of the dimple and the film (nm) on Y = 0, at the time step at
+    which the dimple is nearest to its published position."""
     with h5py.File(file) as result:
         length, film = 1e6 * result.attrs["half_width"], 1e9 * result.attrs["film_unit"]
         line = np.abs(result["y"][...]).argmin()
@@ -129,7 +131,7 @@ def films(file, case):
 
 
 def dimple(rolling, sliding):
-    """Differences from the published simulation at its points, and from the measured film."""
+    """Prints the differences from the published simulation at its points, and from the measured film."""
     print(f"{'case':8}{'moment':>7}{'dimple at':>11}   film against simulated, |x| <= {WITHIN} um: worst, rms, mean;"
           " measured: rms")
     for case, file in zip(CASES, (rolling, sliding)):
@@ -144,7 +146,7 @@ def dimple(rolling, sliding):
                   f"{np.sqrt(np.mean(off[0]**2)):5.2f} %  {off[0].mean():+5.2f} %  {np.sqrt(np.mean(off[1]**2)):6.1f} %")
 
 
-# What the undisturbed film could depend on.
+# Settings on which the undisturbed film could depend.
 UNDISTURBED = {
     "65 by 65 nodes": {"grid.step": 0.0703125},
     "129 by 129 nodes, as here": {},
@@ -164,7 +166,7 @@ UNDISTURBED = {
 
 
 def undisturbed(folder, *options):
-    """Film at the start, when the dimple is outside, against the simulation of then."""
+    """Compares the film at the start, when the dimple is outside, with the published simulation of moment 1."""
     at, given = published("ssr0", "sim", 1)
     inside = np.abs(at) <= WITHIN
     file = f"{folder}/undisturbed.h5"

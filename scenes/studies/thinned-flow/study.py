@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Films and friction of reduced models beside the full model, on unseen scenes, and what they cost (README.md):
+"""Compares films and friction of reduced models with the full model on unseen scenes, and measures their cost
+(README.md):
 
     study.py plan FOLDER/KIND-FLOW.yml                  writes the plan of a model; FLOW: thinned, newton
-    study.py flow FOLDER SCENES SEED OPTIONS...         models of flows that the sliding thins
-    study.py friction FOLDER SCENES SEED OPTIONS...     friction of flows that it does not thin, by all laws of shear
+    study.py flow FOLDER SCENES SEED OPTIONS...         models of flows that sliding thins
+    study.py friction FOLDER SCENES SEED OPTIONS...     friction of flows that sliding does not thin, all shear laws
 """
 import csv
 import os
@@ -15,7 +16,8 @@ import numpy as np
 
 import results
 
-# Contacts of steel bodies: lines of the scene, load in N or N/m, grid, and bounds of load and speed in the training.
+# Contacts of steel bodies: lines of the scene, load in N or N/m, radius and speed, grid, and bounds of load and speed
+# in the training.
 KINDS = {
     # a cylinder on a flat
     "line": ("contact: line", 1.5e5, "radius: 0.01, speed: 1", "x_min: -4, x_max: 2, step: 0.01", (1e5, 3e5), (0.5, 2)),
@@ -29,7 +31,7 @@ KINDS = {
     "ellipse": ("contact: ellipse\nellipticity: 3", 180, "radius: 0.0127, speed: 0.8",
                 "x_min: -3, x_max: 1.5, step: 0.0625, y_max: 1.5, half: true", (90, 270), (0.4, 1.2)),
 }
-# Bounds of what else the plan of a flow varies; without any the flow is Newtonian.
+# Bounds of further settings that the plan of a flow varies. Without further settings the flow is Newtonian.
 FLOWS = {"thinned": {"slide_roll": (0.1, 1), "lubricant.shear.tau0": (3e6, 10e6)}, "newton": {}}
 
 NAMES = {"central film": "central_film_thickness", "minimum film": "minimum_film_thickness",
@@ -39,11 +41,11 @@ COUNTED, COUNTED_SLIDING = 5, 2  # scenes whose instructions are counted
 LAWS = {"newtonian": {"law": "newtonian"}, "eyring 3 MPa": {"law": "eyring", "tau0": 3e6},
         "eyring 10 MPa": {"law": "eyring", "tau0": 10e6}, "limiting 0.05 p": {"law": "limiting", "limit": 0.05},
         "carreau 5 MPa, 0.5": {"law": "carreau", "G": 5e6, "n": 0.5}}
-LOW_M = 10  # below it Newtonian frictions see more of the pressure's error
+LOW_M = 10  # below this M, Newtonian friction is more sensitive to errors of the pressure
 
 
 def scene_text(kind):
-    """A contact whose mineral oil the sliding thins."""
+    """Returns a scene with a mineral oil whose flow is thinned by sliding."""
     contact, load, body, grid, *_ = KINDS[kind]
     return (f"{contact}\nregime: stationary\nphysical: {{load: {load}, {body}, modulus: 2.3e11, viscosity: 0.05}}\n"
             "slide_roll: 0.3\nlubricant:\n  viscosity: {law: barus, alpha: 18e-9}\n  density: {law: dowson-higginson}\n"
@@ -76,7 +78,7 @@ def scene_file(kind, folder):
 
 
 def solved(program, scene, file, settings, *options):
-    """Values of a result, and whether it is to be trusted."""
+    """Runs a program. Returns values of its result, and whether the result is trusted."""
     done = results.run(program, scene, "-o", file, "--force", "--quiet", *options, *results.sets(settings))
     columns = results.printed(file, *NAMES.values())
     return {"trusted": done.returncode == results.SOLVED,
@@ -84,7 +86,7 @@ def solved(program, scene, file, settings, *options):
 
 
 def instructions(scene, model, file, settings, options, functions=("online_solve",)):
-    """Those of functions of a run, by callgrind."""
+    """Returns the number of instructions of some functions in a run, counted by callgrind."""
     done = subprocess.run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={file}.callgrind",
                            *(f"--toggle-collect={name}" for name in functions),
                            os.path.join(os.environ["BIN"], "romrun"), scene,
@@ -123,7 +125,7 @@ def compare(kind, folder, scenes, options):
 
 
 def drawn(bounds, count, seed):
-    """Random scenes between bounds, evenly in the logarithms."""
+    """Returns random scenes between bounds, distributed evenly in the logarithms."""
     random = np.random.default_rng(int(seed))
     return [{key: f"{low * (high / low) ** random.random():.6g}" for key, (low, high) in bounds.items()}
             for _ in range(int(count))]
@@ -138,7 +140,8 @@ def flow(folder, count, seed, *options):
 
 
 def share_of_friction(contact, model, file, scenes, options):
-    """What friction, and what is indicated of it, take over a solution without sliding."""
+    """Returns the instructions of a solution without sliding, and the relative increase by sliding, by its friction,
+    and by the error estimate of the friction."""
     still = {"slide_roll": "", "lubricant.shear.law": "", "lubricant.shear.tau0": "", "lubricant.shear.in_film": ""}
     solution = ["online_solve"]
     costs = []
@@ -151,7 +154,7 @@ def share_of_friction(contact, model, file, scenes, options):
 
 
 def told(contact, settings, *options):
-    """Friction coefficient and M of the full model, as it prints them."""
+    """Runs the full model. Returns friction coefficient and M from its output."""
     text = results.run("fullrun", contact, "--quiet", *options, *results.sets(settings)).stdout
     return float(re.search(r"^friction coefficient +(\S+)", text, re.M)[1]), float(re.search(r"M = ([^,]+)", text)[1])
 
@@ -168,7 +171,7 @@ def frictions(kind, folder, scenes, options):
     full = {law: [] for law in LAWS}
     for scene in scenes:
         M = told(contact, {**scene, **NEWTONIAN}, "-o", film, "--force", *options)[1]
-        for law, settings in LAWS.items():  # of the same film
+        for law, settings in LAWS.items():  # all with the same film
             full[law].append((told(contact, {**scene, **of_law(settings)}, "--start", film, *options)[0], M))
     M = np.array([M for _, M in full["newtonian"]])
     with open(cases, "w", newline="") as file:

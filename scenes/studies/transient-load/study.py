@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Loads beyond the published range; pressure and film at one time (paper, Fig. 5); what the steps in time do (README.md):
+"""Studies loads beyond the published range, pressure and film at one time (paper, Fig. 5), and errors due to time steps
+(README.md):
 
     study.py extremes OUT MODEL AMPLITUDE-PERIOD...
     study.py figure5 FULL.h5 REDUCED.h5 PICTURE.png PERIOD TIME
-    study.py effects OUT HISTORIES TOLERANCES TRUTH_STEP OPTIONS...    of steps and filter on the films, told and true
-    study.py draw OUT HISTORIES PICTURE.png                            those on the central film over time
-    study.py short SCENE.yml MODEL OUT PARTS...    minimum film of examples/line-in-time in equal steps shorter than the
-                                                   grid's, against the full model in the same steps: by romrun, and by the
-                                                   library, where steps begin at states half a grid step apart
+    study.py effects OUT HISTORIES TOLERANCES TRUTH_STEP OPTIONS...    estimated and true errors due to steps and filter
+    study.py draw OUT HISTORIES PICTURE.png                            draws these errors of the central film over time
+    study.py short SCENE.yml MODEL OUT PARTS...    minimum film of examples/line-in-time with equal time steps, in which
+                                                   the fluid moves by less than a grid step: romrun, and the library,
+                                                   whose steps begin at states half a grid step apart, compared with the
+                                                   full model with the same steps
 """
 import math
 
@@ -62,7 +64,7 @@ def figure5(full, reduced, target, period, time):
 
 # ---- What the steps in time do
 
-# Titles and settings of histories on which nothing was tuned, but for the first one.
+# Titles and settings of histories. Only the first one was used for tuning.
 HISTORIES = {
     "load": ("load ± 10 %, period 1/2", {"load.law": "sine", "load.amplitude": 0.1, "load.period": 0.5}),
     "strong": ("load ± 40 %, period 3/2", {"load.law": "sine", "load.amplitude": 0.4, "load.period": 1.5}),
@@ -77,11 +79,11 @@ HISTORIES = {
     "faster": ("speed jumps to 1.3", {"speed.law": "step", "speed.to": 1.3, "speed.at": 0.2})}
 
 FILMS = {"central": ("H_c", "time_effect"), "minimum": ("H_min", "time_effect_minimum")}
-GRID_STEP, PERIOD, AMPLITUDE = 0.01, 1.4, 0.1  # of the scene of short
+GRID_STEP, PERIOD, AMPLITUDE = 0.01, 1.4, 0.1  # of the scene that `short` uses
 
 
 def options_of(history):
-    """The history in place of the load of scene.yml, with accurate rows."""
+    """Returns options that replace the load history of scene.yml, and set the accurate discretisation."""
     settings = {"discretization": "accurate", **dict.fromkeys(("load.law", "load.amplitude", "load.period"), ""),
                 **HISTORIES[history][1]}
     return results.sets({key if key.startswith(("moes", "disc")) else f"transient.{key}": value
@@ -89,7 +91,7 @@ def options_of(history):
 
 
 def solved(file, history, *options):
-    """A trajectory with the effects that its result tells."""
+    """Runs a trajectory. Returns it with the error estimates in its result."""
     found = results.trajectory(file, "fullrun", "scene.yml", *options_of(history), *options)
     if found.code != results.SOLVED:
         results.stop(f"{file}: {found.message}", found.code)
@@ -98,13 +100,13 @@ def solved(file, history, *options):
 
 
 def mean(found, values):
-    """Root of the mean square over time."""
+    """Returns the root mean square over time."""
     step = np.diff(found.time, prepend=0)
     return np.sqrt(np.sum(step * values**2) / found.time[-1])
 
 
 def effects(out, histories, tolerances, truth_step, *options):
-    """Prints for each history and tolerance: steps, root mean square and largest of the true and the told effect."""
+    """Prints for each history and tolerance the steps, and the rms and largest values of true and estimated errors."""
     rows = [["history", "tolerance", "steps", "film", "true rms", "told", "true most", "told", "rms / tolerance"], None]
     off = []
     for history in histories.split():
@@ -132,7 +134,7 @@ def effects(out, histories, tolerances, truth_step, *options):
 
 
 def draw(out, histories, target):
-    """Draws true and told effects on the central film over time, at the default tolerance."""
+    """Draws true and estimated errors of the central film over time, at the default tolerance."""
     figure, panels = pictures.page(1800, 760, 2, 4, sharex=True)
     for axes, history in zip(panels.flat, histories.split()):
         truth = results.read_trajectory(f"{out}/{history}-truth.h5")
@@ -163,7 +165,7 @@ def in_equal_steps(file, program, scene, step, *options):
 
 
 def by_library(contact, times):
-    """Minimum films behind the start."""
+    """Returns the minimum films after the start."""
     films = []
     contact.start(load=1.0, speed=1.0)
     for before, time in zip(times[:-1], times[1:]):
@@ -174,7 +176,7 @@ def by_library(contact, times):
 
 
 def short(scene, model, out, *parts):
-    """Prints the largest errors, for steps of so many parts of the grid's."""
+    """Prints the largest errors for time steps that are parts of the grid step."""
     import ehdrom  # the package of make python
 
     contact = ehdrom.Contact(ehdrom.Model(model), scene, dimensionless=True)
