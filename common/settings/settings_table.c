@@ -111,7 +111,7 @@ static const setting run_rows[] = {
     {"output.fields_every", WHOLE(output.fields_every), "1", NULL, 1, 1e9, "1",
      "Write fields at every N-th time step", IN_TIME, false},
     {"output.resolution", FLAG(output.resolution), NULL, NULL, 0, 0, "1",
-     "Estimate what inlet and step do to the films, which takes a fifth of a cold start more; "
+     "Estimate what inlet and step do to the films, which takes a fifth (points) to two fifths (lines) of a cold start more; "
      "romrun: interpolate it between the points of the training; default true", {{"regime", "stationary"}}, false},
     {"transient.end_time", REAL(transient.end_time), NULL, NULL, 1e-9, 1e12, "1",
      "Time T = u_ref t/a_ref at which the run ends", IN_TIME, true},

@@ -26,6 +26,21 @@ judged() {
     ((status == code)) && ((${#stderr_lines[@]} == 1)) && [[ $stderr =~ ^"romrun: ".*$pattern ]]
 }
 
+@test "an oil that was not trained is not trusted, however small the estimates are" {
+    reason='viscosity law roelands with these parameters: not in training'
+    oil=(--set moes.M=12 --set moes.L=5 --set lubricant.viscosity.law=roelands --set lubricant.viscosity.eta0=0.04)
+    judged 4 "$reason" base.yml --model c.h5 -o x.h5 "${oil[@]}" --accuracy 0.1
+    romrun base.yml --model c.h5 -o x.h5 -q -f "${oil[@]}" --accuracy 0.1 --allow-untrusted
+    awk -v estimate="$(number x.h5 indicated_deviation)" 'BEGIN { exit !(estimate > 0 && estimate < 0.1) }'
+    # the full model solves it
+    romrun base.yml --model c.h5 -o x.h5 -q -f "${oil[@]}" --fallback full
+    fullrun base.yml --grid-of c.h5 -o f.h5 -q "${oil[@]}" --allow-untrusted
+    close_to "$(number x.h5 central_film_thickness)" "$(number f.h5 central_film_thickness)" 1e-6
+    printf '%s\n' moes.M,moes.L,lubricant.viscosity.law,lubricant.viscosity.eta0 12,5,roelands,0.04 >cases.csv
+    judged 4 "1 not to be trusted" cases base.yml cases.csv --model c.h5 -o t.csv
+    grep -q "$reason" t.csv
+}
+
 @test "--cases: rows are what romrun says of each scene alone, in any order of threads" {
     cat >cases.csv <<'CSV'
 # a comment
