@@ -10,7 +10,6 @@
 #include "podbuild/pod_stream.h"
 #include <stdint.h>
 
-/* Kinds of snapshots. */
 typedef enum residual_kind {
     RESIDUALS, // D f
     PRODUCTS   // D J dz
@@ -30,8 +29,7 @@ typedef struct residual_snapshots {
     size_t count;
     double *residuals; // [count, num_inner] D f; NULL: streamed by reader
     double *steps;     // [count, num_inner] D J dz; NULL: streamed by reader
-    int64_t *state;    // [count] index of the stationary training state to which the iteration
-                       // belongs, ascending; -1: no stationary state
+    int64_t *state;    // [count] index of the stationary training state, ascending; -1: none
     const residual_reader *reader; // NULL if all is in memory
 } residual_snapshots;
 
@@ -55,8 +53,7 @@ ehd_status residual_snapshots_hold(residual_snapshots *snapshots, size_t num_inn
                                    ehd_error *error);
 void residual_snapshots_free(residual_snapshots *snapshots);
 
-/* Returns the number of converged residuals, which are the residuals in the last iteration of each
- * stationary state. */
+/* Returns the number of converged residuals (last iteration of each stationary state). */
 size_t residual_snapshots_converged(const residual_snapshots *snapshots);
 
 /* Computes the POD of all snapshots of one kind, with at most num_modes modes. If the snapshots are

@@ -39,8 +39,7 @@ typedef struct sampled_basis {
     double *row;         // [num_modes] the row just added
     double *product;     // [num_modes] inverse times row
     double *along;       // [num_nodes] modes^T product
-    double *growth;      // [num_nodes] factor by which the row of the node multiplies prod_j
-                         // |A_j|^2
+    double *growth;      // [num_nodes] factor by which the node's row multiplies prod_j |A_j|^2
 } sampled_basis;
 
 static void sampled_basis_free(sampled_basis *self) {
@@ -53,7 +52,6 @@ static void sampled_basis_free(sampled_basis *self) {
     free(self->growth);
 }
 
-/* Copies the row r of a node. */
 static void gather_row(double *row, const sampled_basis *self, size_t node) {
     cblas_dcopy((int)self->num_modes, self->modes + node, (int)self->num_nodes, row, 1);
 }
@@ -97,9 +95,8 @@ static ehd_status start_gain(sampled_basis *self, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Computes along = modes^T product, and growth, for all nodes. The modes do not fit into the cache,
- * and most of the time is spent on reading the modes. One loop over blocks of nodes therefore
- * computes both. */
+/* Computes `along` = modes^T product, and `growth`, for all nodes. One loop over blocks of nodes
+ * computes both, because reading the modes takes most of the time. */
 static void scan_modes(sampled_basis *self) {
     for (size_t first = 0; first < self->num_nodes; first += BLOCK) {
         const size_t left = self->num_nodes - first, count = left < BLOCK ? left : BLOCK;
@@ -162,8 +159,7 @@ static void add_objective(double *objective, const sampled_basis *self) {
             log((1 + fmax(self->gain[i], 0)) / self->growth[i]) / (double)(2 * self->num_modes);
 }
 
-/* Returns the unselected node with the largest objective. If several nodes have this objective,
- * returns the first of these nodes. */
+/* Returns the unselected node with the largest objective, the first of equal nodes. */
 static size_t best_row(const double *objective, const bool *selected, size_t num_nodes) {
     size_t row = num_nodes;
 

@@ -58,8 +58,7 @@ void formulas_print(const contact_scalars *solution, const ehd_contact *contact)
     }
 }
 
-/* Prints friction coefficients for a series of slide-roll ratios, with the film of the film
- * formula. */
+/* Prints friction coefficients for several slide-roll ratios, with the film of the formula. */
 static void print_curve(const ehd_contact *contact) {
     static const double curve[] = {0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1};
     const double film = film_central(contact);
@@ -118,8 +117,7 @@ static double quantile_in_time(const weighted *values, size_t count, double quan
     return values[i].deviation;
 }
 
-/* Returns the duration that a stored time stands for: half of the interval before it and half of
- * the interval after it. */
+/* Returns the duration that a stored time stands for: half of each interval beside it. */
 static double duration_of(const time_series *series, size_t i) {
     const size_t last = series->num_times - 1;
 
@@ -148,8 +146,7 @@ static ehd_contact contact_at(double *film_scale, const time_series *series, siz
     return contact;
 }
 
-/* Returns the index of the first stored time at which the bodies are in contact, or num_times if
- * there is no such time. */
+/* Returns the index of the first stored time with the bodies in contact, else num_times. */
 static size_t first_contact(const time_series *series) {
     size_t first = 0;
 

@@ -26,13 +26,11 @@ struct full_march {
     ehd_contact reference;
     double start_film;
     full_solver *solver;
-    previous_state states[NUM_BDF_PLACES]; // at the places of `bdf` (bdf.h); the place PASSING is
-                                           // not used
+    previous_state states[NUM_BDF_PLACES]; // at the places of `bdf` (bdf.h); PASSING is not used
     previous_carrier carrier;
     double *entrained; // [num_inner] d/dX of rho H of the base, discretised as in the rows
     bool *noisy;       // [num_nodes] nodes left out of the local error
-    double *previous;  // [num_inner] sum of rho H of the previous states, weighted by the BDF
-                       // formula
+    double *previous;  // [num_inner] BDF-weighted sum of rho H of the previous states
     double *taken_up;  // [num_nodes] errors of rho H that the last attempt's film has accumulated
     double *kept;      // [num_nodes] errors of rho H that the last accepted film has accumulated
     double *film;      // [num_nodes] scratch for carried errors or for a film without its errors
@@ -41,7 +39,7 @@ struct full_march {
     double *exits;     // [lines of the whole grid, GRID_EXITS] X of the last attempt's exits
     full_march_effort effort;
     char reason[JUDGE_REASON];
-    arena memory; // memory of the arrays above
+    arena memory;
 };
 
 full_march *full_march_free(full_march *self) {
@@ -67,8 +65,7 @@ double full_march_bytes(const ehd_contact *reference) {
 static double dry_start_film(const ehd_contact *reference) {
     const contact_kind *kind = reference->kind;
     const contact_shape *shape = &reference->grid.shape;
-    // ratio of the reference speed to the speed in the film formula (README.md, In time;
-    // test_full_march.c, start_at_rest)
+    // reference speed / speed in the formula (README.md, In time; test_full_march.c, start_at_rest)
     const double slowness = 100;
     double moes_M = kind->moes_M(shape, reference->lambda / slowness);
     double moes_L = reference->alpha_p_H / kind->alpha_p_H(shape, moes_M, 1);
@@ -156,8 +153,7 @@ static void add_effort(full_march *self, const full_info *info) {
 
 // ---- the start
 
-/* Finds the stationary solution for a given load. At zero speed, sets the state to the dry
- * contact. */
+/* Finds the stationary solution for a given load. At zero speed this is the dry contact. */
 static ehd_status start_with_load(full_info *info, full_march *self, const contact_frame *frame,
                                   ehd_error *error) {
     full_state *state = &state_before(self, 0)->state;
@@ -191,8 +187,7 @@ static double reference_approach(const full_march *self, const full_state *state
  * one_at_rest_is_part_of_the_start). */
 static const double MIN_STRIDE = 1. / 1024, SETTLED_LOAD = 1e-8;
 
-/* Continues from the solution of a given load to the solution of a given approach. The frame is
- * adapted to the resulting load. */
+/* Continues from the solution of a given load to a given approach. Adapts the frame to the load. */
 static ehd_status continue_to_approach(full_info *info, full_march *self, contact_frame *frame,
                                        ehd_error *error) {
     const double wanted = frame->approach;
@@ -252,9 +247,8 @@ static void judge_start(full_info *info, full_march *self, const previous_state 
     if (info->status) info->reason = self->reason;
 }
 
-/* Computes d/dX of rho H at the inner nodes, discretised as in the Reynolds rows. This derivative
- * is the residual of the rows at unit entrainment without pressure flow. If the entrainment is
- * towards smaller X, the stencils are reversed. EHD_MEMORY. */
+/* Computes d/dX of rho H at the inner nodes: the residual of the Reynolds rows at unit entrainment
+ * without pressure flow. For entrainment towards smaller X, reverses the stencils. EHD_MEMORY. */
 static ehd_status entrain(double *entrained, const previous_state *state,
                           const ehd_contact *reference, ehd_error *error) {
     const ehd_grid *grid = &reference->grid;
@@ -281,9 +275,8 @@ static ehd_status entrain(double *entrained, const previous_state *state,
     return EHD_OK;
 }
 
-/* Prepares the base, the initial state, which must be at the place BDF_BASE. From then on, only the
- * difference of previous states from the base is carried along the path, until the entrainment
- * reverses. EHD_MEMORY. */
+/* Prepares the base: the initial state, at the place BDF_BASE. Until the entrainment reverses, only
+ * the difference of previous states from the base is carried along the path. EHD_MEMORY. */
 static ehd_status use_base(void *solver, ehd_error *error) {
     full_march *self = solver;
     previous_state *base = &self->states[BDF_BASE];
@@ -347,8 +340,7 @@ static ehd_status add_surface(full_info *info, full_march *self, contact_frame *
     return EHD_OK;
 }
 
-/* Finds the initial state at a speed that is zero or positive, and stores it in state_before(self,
- * 0). */
+/* Finds the initial state, state_before(self, 0), at a speed that is zero or positive. */
 static ehd_status find_start(full_info *info, full_march *self, const contact_frame *frame,
                              ehd_error *error) {
     previous_state *first = state_before(self, 0);
@@ -465,9 +457,8 @@ static void predict(full_march *self) {
             formula->predictor[i] * state_before(self, i + 1)->state.rigid_approach;
 }
 
-/* Carries rho H of the previous states over into the attempt's frame, and adds up these values for
- * the rows, weighted by the BDF formula. With transport along the path, the only entrainment in the
- * rows is that of the base, which is added here. */
+/* Adds up rho H of the previous states in the attempt's frame, weighted by the BDF formula. With
+ * transport along the path, adds the entrainment of the base, the only entrainment in the rows. */
 static void carry_over(full_march *self, const contact_frame *frame) {
     const size_t num_inner = self->reference.grid.num_inner;
     const bdf_march *bdf = &self->bdf;
@@ -631,8 +622,7 @@ static double largest_taken_up(const full_march *self, const full_state *state,
     return largest;
 }
 
-/* Estimates the relative changes of the films in the limit of small steps. For this, subtracts the
- * accumulated errors from the film. */
+/* Estimates the relative effects of the steps on the films from the accumulated errors. */
 static void set_effects(march_step *outcome, const full_march *self, const full_state *state,
                         const ehd_contact *contact) {
     const size_t num_nodes = contact->grid.num_nodes;
@@ -655,8 +645,7 @@ static bool is_cut(const full_state *state, const ehd_grid *grid, bool backwards
     return false;
 }
 
-/* Returns the fraction of the load that the end of the domain cuts off from a second zone of
- * pressure. */
+/* Returns the fraction of the load that the domain's end cuts off from a second pressure zone. */
 static double cut_load(full_march *self, bool backwards) {
     const ehd_grid *grid = &self->reference.grid;
     const double end = backwards ? -grid->x_min : grid_x(grid, grid->inner_x);
@@ -897,10 +886,8 @@ full_march_effort full_march_effort_of(const full_march *self) {
 
 // ---- saving
 
-static const double RUPTURED = -1; // stands for the pressure at a ruptured node; no pressure is
-                                   // that low
-static const double NEVER = -1;    // stands for base_until = INFINITY, if the use of the base has
-                                   // no end
+static const double RUPTURED = -1; // saved pressure of a ruptured node; no pressure is so low
+static const double NEVER = -1;    // saved for base_until = INFINITY
 
 /* Saves rigid approach, exit, pressure and film, in this order. */
 static void save(double *target, const void *solver, size_t place) {

@@ -45,12 +45,12 @@ struct full_solver {
     double largest_merit;    // largest merit before any step of this solution
     double largest_row;      // largest scaled residual, without the closure
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_nodes]
-    double seconds_rows;     // time for the evaluation of rows
+    double seconds_rows;
     size_t num_unknowns;     // as in full_system
     size_t *unknown, *index; // [num_nodes]
     reynolds_fluid fluid;    // fluid whose arrays lie in fluid_memory
-    exit_cell cell;          // cell that contains the exit
-    arena memory;            // memory of all arrays
+    exit_cell cell;
+    arena memory;
 };
 
 /* Returns the default settings. Measurements on six line contacts of 1201 nodes:
@@ -77,9 +77,8 @@ full_solver *full_solver_free(full_solver *self) {
 }
 
 /* Number of inner nodes above which a grid is large. From 33 nodes a side on, multigrid takes half
- * of the time of the factors (README.md, Large point contacts). The limit is higher, because the
- * grids of trainings and studies have up to 129 by 65 nodes, and multigrid would change the
- * round-off of their solutions. */
+ * of the time of the factors (README.md, Large point contacts). The limit is higher, so that the
+ * grids of trainings and studies, up to 129 by 65 nodes, keep the round-off of their solutions. */
 static const size_t LARGE = 10000;
 
 bool full_is_large(const ehd_grid *grid) {
@@ -454,8 +453,7 @@ static double change_of_offset(const full_solver *self, const full_state *state)
     return change;
 }
 
-/* Moves the exit of a state by `change` steps of the grid. A Newton step has been added to the
- * state before. */
+/* Moves the exit by `change` steps of the grid, after a Newton step was added to the state. */
 static void move_exit(full_state *state, const ehd_grid *grid, double change) {
     const double offset = state->exit_offset + (isfinite(change) ? change : 0);
     const double exit = fmax((double)state->exit + floor(offset), 3);
@@ -473,10 +471,9 @@ static void move_exit(full_state *state, const ehd_grid *grid, double change) {
  * inexact_newton_ends_where_dense_does). */
 static const double MAX_FORCING = 0.01;
 
-/* Returns the relative tolerance of the linear system in an inexact Newton step (Eisenstat and
- * Walker, SIAM J. Sci. Comput. 17, 1996). The tolerance is loose far from the solution. At the end
- * it is as tight as Newton's tolerance needs. On a line contact a system costs little, and the
- * tolerance is always linear_tolerance. */
+/* Returns the relative tolerance of a linear system, which is loose far from the solution
+ * (Eisenstat and Walker, SIAM J. Sci. Comput. 17, 1996). On a line contact a system costs little,
+ * and the tolerance is always linear_tolerance. */
 static double linear_tolerance(const full_solver *self, double residual) {
     const full_settings *settings = &self->settings;
 
@@ -536,8 +533,7 @@ static void move(full_solver *self, const ehd_contact *contact, const reynolds_s
     evaluate_rows(self, contact, squeeze, state);
 }
 
-/* Sums the squares of the scaled residuals in one part of the work. The first part includes the
- * closure. */
+/* Sums squares of scaled residuals in one part of the work. The first part adds the closure. */
 static void square_some_rows(void *context, const team_part *part) {
     const evaluation *task = context;
     const full_solver *self = task->solver;
@@ -690,9 +686,8 @@ static void grow_intervals(full_solver *self, const full_state *state) {
 
 /* Sets the pressurised zone by a primal-dual active set: each node follows the sign of its pressure
  * or multiplier. This is a semismooth Newton step (Hintermueller, Ito and Kunisch 2003). Returns
- * whether the zone has changed. The number of changes of a node is not limited. With a limit of
- * four changes, all measured marches and 149 of 150 cold starts of point contacts would stay the
- * same. */
+ * whether the zone has changed. A node may change any number of times. With a limit of four, all
+ * measured marches and 149 of 150 cold starts of point contacts would stay the same. */
 static bool adapt_zone(full_solver *self, full_state *state, bool in_time) {
     const ehd_grid *grid = &self->grid;
     size_t last = 0;
@@ -710,8 +705,7 @@ static bool adapt_zone(full_solver *self, full_state *state, bool in_time) {
         const bool wanted =
             open ? state->pressure[k] >= -noise : scaled_multiplier(self, k) < -noise;
         changed |= wanted != open;
-        self->index[k] = wanted ? WANTED : 0; // not yet stored in the state, since the next nodes
-                                              // need the old zone
+        self->index[k] = wanted ? WANTED : 0; // the next nodes need the old zone
     }
     if (line) changed |= mark_runs(self, state);
     if (!changed) return false;
@@ -816,8 +810,7 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
             info->reason = "residual not finite";
             return EHD_OK;
         }
-        // the zone follows from the pressure of a step, so it is not adapted before the first
-        // step
+        // the zone follows from a step's pressure, so it is not adapted before the first step
         if (iteration > 0 && adapt_zone(self, state, squeeze != NULL)) {
             evaluate_rows(self, contact, squeeze, state);
             info->residual = scale_rows(self, state);

@@ -19,13 +19,11 @@
 
 /* A state of the contact on its grid. */
 typedef struct full_state {
-    double *pressure; // [num_nodes], zero at boundary nodes, at ruptured nodes and from node `exit`
-                      // on
+    double *pressure; // [num_nodes], zero at boundary and ruptured nodes and from node `exit` on
     double *film;     // [num_nodes]
     double rigid_approach;
-    size_t exit; // line contact: node where the film ruptures; this node and all nodes behind it
-                 // have no pressure. Point contact: num_nodes - 1, which is also the largest value
-                 // on a line contact
+    size_t exit; // line contact: node behind the last node with pressure, at most num_nodes - 1;
+                 // point contact: num_nodes - 1
     // Position of an exit that lies within the cell of a node (common/physics/README.md, The exit
     // within a node). It is the distance of the exit from node exit - 1, the last node with
     // pressure, in grid steps, 0 to 1. In a transient run it is the value of exit_place. NaN: the
@@ -55,15 +53,13 @@ bool full_is_cut(const full_state *state, const ehd_grid *grid, bool backwards);
 
 typedef struct full_info {
     ehd_status status;        // EHD_OK or EHD_NOT_CONVERGED
-    size_t newton_iterations; // on the contact's own grid, not on coarser grids; sum over all
-                              // stages of a continuation
+    size_t newton_iterations; // on the contact's own grid, over all stages of a continuation
     size_t gmres_iterations;
     // largest scaled residual of the load balance and of the Reynolds rows at nodes with pressure
     double residual;
     double complementarity; // violation of the exit conditions: max(-P), scaled max(-Lambda)
     double seconds;
-    double seconds_rows, seconds_linear; // parts of `seconds`: for rows and deflection, and for
-                                         // linear systems
+    double seconds_rows, seconds_linear; // parts of `seconds`: rows and deflection, linear systems
     const char *reason;                  // why the iteration did not converge, or ""
 } full_info;
 
@@ -79,20 +75,17 @@ typedef void full_watcher(void *context, const ehd_grid *grid, size_t iteration,
 
 typedef struct full_settings {
     double tolerance;                 // limit of the largest scaled residual; default 1e-10
-    size_t max_iterations;            // largest number of Newton iterations in one solution;
-                                      // default 60
+    size_t max_iterations;            // limit of Newton iterations in one solution; default 60
     size_t near_field;                // m: the preconditioner keeps the kernel's values within m
                                       // nodes; default 8, on a point contact at most 1
     double linear_tolerance;          // relative tolerance of GMRES; default 1e-8
     full_linear_solver *solve_linear; // default full_solve_gmres
     bool exit_at_node;                // all exits are at nodes, as in transient runs; default
-                                      // false: exits of stationary contacts are at nodes only if
-                                      // exit_is_within_node is false
+                                      // false: only where exit_is_within_node is false
     bool as_large;                    // solves point contacts of any size like large contacts; used
                                       // for the coarser grids of a large contact; default false
-    team *threads;                    // threads that share the work on large grids, for one
-                                      // solution at a time. Any number of threads gives the same
-                                      // bits. NULL: one thread does all work
+    team *threads;                    // threads for one solution at a time on large grids; any
+                                      // number gives the same bits; NULL: one thread
     full_watcher *watcher;            // NULL: the iteration is not watched
     void *watcher_context;
 } full_settings;
@@ -159,8 +152,7 @@ void full_solver_set_surface(full_solver *solver, const double *heights);
  * EHD_MEMORY. */
 ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *error);
 void full_state_free(full_state *state);
-/* Puts all inner nodes into the pressurised zone. Newton starts from this zone if nothing is known
- * about the solution. */
+/* Puts all inner nodes into the pressurised zone: Newton's start if no solution is known. */
 void full_state_fill(full_state *state, const ehd_grid *grid);
 /* Sets the pressurised zone: on a line contact to the nodes before `exit`, on a point contact to
  * the nodes whose pressure is not zero. On a line contact, full_solve computes the position of the

@@ -37,8 +37,7 @@ enum { MAX_ITERATIONS = 80 };
  * for M = 200, L = 20 and 256 cells a side (test_full_point.c, fine_grids_take_few_iterations). */
 enum { CYCLE_WIDER = 2 };
 
-/* Factors of the band of one system. These factors may also precondition the next systems of
- * Newton's iteration. */
+/* Factors of the band of one system, which may also precondition the next systems of Newton. */
 typedef struct near_factors {
     void *numeric; // factors by UMFPACK; NULL: none, as with a multigrid cycle
     double control[UMFPACK_CONTROL];
@@ -47,8 +46,7 @@ typedef struct near_factors {
     size_t *index;   // [num_nodes] place of a node in `unknown`, or NO_NODE
     double *border;  // [num_unknowns] w = B^-1 c
     double border_pivot;
-    size_t own_iterations, last_iterations; // GMRES iterations of the system that was factorised,
-                                            // and of the last system
+    size_t own_iterations, last_iterations; // GMRES iterations: factorised system, last system
 } near_factors;
 
 struct gmres_workspace {
@@ -72,7 +70,7 @@ struct gmres_workspace {
     size_t capacity;
     double *solve_work; // [5 size]
     int *solve_index;   // [size]
-    arena memory;       // memory of all arrays
+    arena memory;
 };
 
 gmres_workspace *gmres_workspace_free(gmres_workspace *self) {
@@ -177,8 +175,7 @@ static void spread_nodes(void *context, const team_part *part) {
         task->to[k] = index[k] == NO_NODE ? 0 : task->from[index[k]];
 }
 
-/* Computes y = J x at the unknowns of a part, and the sum that this part contributes to the load
- * balance. */
+/* Computes y = J x at the unknowns of a part, and the part's sum for the load balance. */
 static void apply_rows(void *context, const team_part *part) {
     const vectors *task = context;
     const full_system *system = task->system;
@@ -211,8 +208,8 @@ static void apply_jacobian(double *y, const double *x, full_system *system) {
 
     share_nodes(system, spread_nodes, &(vectors){.to = work->spread, .from = x});
     deflection_apply(work->response, system->deflection, work->spread);
-    for (size_t i = 0; system->outer && i < system->outer->num; i++) { // pressures of the far field
-                                                                       // cause no deflection
+    // pressures of the far field cause no deflection
+    for (size_t i = 0; system->outer && i < system->outer->num; i++) {
         const size_t node = system->outer->index[i];
         work->spread[node] = system->outer->by_approach[node] * x[num_passive];
     }
@@ -454,8 +451,7 @@ static void sum_weighted(void *context, const team_part *part) {
     work->of_part[part->number] = sum;
 }
 
-/* Returns the sum of a vector over the unknowns of the factors, with the weights of the load
- * balance. */
+/* Returns the sum of a vector over the factors' unknowns, with the weights of the load balance. */
 static double weighted_sum(const double *vector, full_system *system) {
     const gmres_workspace *work = system->workspace;
     const size_t count = work->factors.num_unknowns;
@@ -468,8 +464,7 @@ static double weighted_sum(const double *vector, full_system *system) {
     return sum;
 }
 
-/* Computes w = B^-1 c and the pivot of the closure's row. Returns false if the system is
- * singular. */
+/* Computes w = B^-1 c and the pivot of the closure's row. Returns false for a singular system. */
 static bool solve_border(full_system *system) {
     gmres_workspace *work = system->workspace;
     near_factors *factors = &work->factors;
@@ -480,8 +475,7 @@ static bool solve_border(full_system *system) {
     return isfinite(factors->border_pivot) && factors->border_pivot != 0;
 }
 
-/* Factorises the band of the present system, or prepares a multigrid cycle for it. Returns false if
- * the band is singular. */
+/* Factorises the band, or prepares a multigrid cycle. Returns false if the band is singular. */
 static bool renew_factors(full_system *system) {
     gmres_workspace *work = system->workspace;
     near_factors *factors = &work->factors;
@@ -504,15 +498,13 @@ static bool renew_factors(full_system *system) {
  * take 1.1 ms and an iteration 0.1 ms (test_gmres.c, factors_serve_the_whole_step). */
 static const size_t COST_OF_FACTORS = 10;
 
-/* Checks whether the time that kept factors save exceeds the time of the additional iterations that
- * they cause. */
+/* Checks whether kept factors save more time than their additional iterations take. */
 static bool factors_serve(const near_factors *factors) {
     return factors->numeric &&
            factors->last_iterations <= factors->own_iterations + COST_OF_FACTORS;
 }
 
-/* Returns the entry of a row at its own node, without the deflection at the other nodes of its
- * stencil. */
+/* Returns a row's entry at its own node, without the deflection at the other stencil nodes. */
 static double own_entry(const full_system *system, size_t node) {
     const size_t r = grid_row_of_node(system->grid, node);
     const reynolds_row *row = &system->rows[r];
@@ -521,8 +513,7 @@ static double own_entry(const full_system *system, size_t node) {
     return (row->by_pressure[NODE_HERE] + row->by_film[NODE_HERE] * kernel) * system->row_scale[r];
 }
 
-/* Copies x at the unknowns of the factors. The copy is zero at nodes that are no unknowns of the
- * present system. */
+/* Copies x at the unknowns of the factors, and zero for nodes that the present system lacks. */
 static void take_known(void *context, const team_part *part) {
     const vectors *task = context;
     const full_system *system = task->system;
@@ -598,8 +589,7 @@ typedef struct projection {
     double *fresh;
     const double *before; // `factor` times this vector is subtracted first; NULL: nothing
     double factor;
-    const double *with; // the product of this vector and `fresh` is computed next; NULL: the norm
-                        // of `fresh`
+    const double *with; // vector of the next product with `fresh`; NULL: the norm of `fresh`
 } projection;
 
 static void project_part(void *context, const team_part *part) {

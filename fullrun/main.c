@@ -39,8 +39,7 @@ typedef struct fullrun_options {
     size_t repeats; // number of solutions, whose median time is reported
     bool resume;
     size_t num_jobs;
-    team *threads; // team of num_jobs threads for the work on a large grid; NULL: one thread does
-                   // all work
+    team *threads; // num_jobs threads for large grids; NULL: one thread
 } fullrun_options;
 
 // clang-format off
@@ -173,14 +172,12 @@ static ehd_status solve_again(full_info *info, full_state *state, full_solver *s
     return status;
 }
 
-/* Progress of the solution of a point contact, which may take long. The progress is shown on
- * stderr. */
+/* Progress, on stderr, of a point contact's solution, which may take long. */
 typedef struct long_work {
     progress shown;
     const ehd_grid *grid;      // grid of the contact
     size_t num_inner;          // inner nodes of the grid that is solved now
-    size_t before, iterations; // Newton iterations on this grid: before the last start of Newton,
-                               // and in all
+    size_t before, iterations; // Newton iterations on this grid: before the last start, in all
 } long_work;
 
 /* Returns the part of the whole work that is done when a grid and all coarser ones are solved. */
@@ -190,9 +187,8 @@ static double work_up_to(const ehd_grid *grid, const ehd_grid *finest) {
     return pow((double)grid->num_inner / (double)finest->num_inner, 1.4);
 }
 
-/* Returns the Newton iterations that a grid may still take. Below a scaled residual of 0.01, where
- * Newton converges quadratically, it returns three. Above 0.01 it returns the iterations so far, or
- * the number that is missing to eight iterations if this number is larger. */
+/* Returns how many Newton iterations a grid may still take: three below a scaled residual of 0.01,
+ * where Newton converges quadratically; else as many as so far, but at least eight in all. */
 static double iterations_left(double iterations, double residual) {
     return residual < 0.01 ? 3 : fmax(8 - iterations, iterations);
 }
@@ -290,8 +286,7 @@ static void note_resolution(const program *self, const full_resolution *resoluti
             path, 100 * film_effects_of_rolling(&resolution->effects));
 }
 
-/* Writes the resolution to the file, unless `file` is NULL. Prints a note if an error estimate is
- * large. */
+/* Writes the resolution to `file` unless it is NULL. Prints a note of a large error estimate. */
 static ehd_status report_resolution(artefact *file, const program *self,
                                     const full_resolution *resolution, const ehd_contact *contact,
                                     ehd_error *error) {
@@ -608,7 +603,6 @@ static ehd_status take_grid(ehd_contact *contact, const scene *given, const char
     return status ? status : scene_check_approach(given, contact, error);
 }
 
-/* Sets the default grid of a contact that varies with time. */
 static ehd_status set_grid_in_time(ehd_contact *contact, const scene *given, ehd_error *error) {
     ehd_histories *histories;
     ehd_status status = histories_init(&histories, given, error);
@@ -620,7 +614,6 @@ static ehd_status set_grid_in_time(ehd_contact *contact, const scene *given, ehd
     return status ? status : scene_check_approach(given, contact, error);
 }
 
-/* Runs a scene, from the parsed command line to the status of the exit code. */
 static ehd_status run(const program *self, fullrun_options *options, ehd_error *error) {
     ehd_contact contact = {0};
     scene given;

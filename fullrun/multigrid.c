@@ -39,8 +39,7 @@ enum { PART = 2048 };
 typedef struct level {
     size_t columns, lines, num;
     size_t stride;      // columns of the finer level per column of this level, 1 or 2
-    double flow_across; // flow between two nodes across the lines, divided by the flow between two
-                        // nodes along them
+    double flow_across; // ratio of the flow between nodes across lines to the flow along lines
     size_t lines_of_part;
     bool mirrored;    // the first line is a mirror line
     bool *unknown;    // [num]
@@ -50,8 +49,7 @@ typedef struct level {
     double *solution; // [num]
 } level;
 
-/* Shape of a band matrix in LAPACK: numbers of diagonals below and above the main diagonal, and of
- * rows in memory. */
+/* Shape of a LAPACK band matrix: diagonals below and above the main diagonal, rows in memory. */
 typedef struct band_shape {
     int below, above, rows;
 } band_shape;
@@ -202,8 +200,7 @@ static void share_lines(multigrid *self, size_t lines, const level *size_of, tea
     team_share(self->threads, lines, size_of->lines_of_part, task, context);
 }
 
-/* Leaves in the rows only the entries between unknowns. Rows of other nodes become rows of the
- * identity. */
+/* Keeps only entries between unknowns. Rows of other nodes become rows of the identity. */
 static void clear_others(void *context, const team_part *part) {
     const level *self = ((lines_task *)context)->here;
 
@@ -212,8 +209,7 @@ static void clear_others(void *context, const team_part *part) {
             const size_t node = l * self->columns + c;
             double *row = self->row + node * CYCLE_ENTRIES;
             for (size_t a = 0; a < CYCLE_ENTRIES; a++) {
-                const size_t line = l + a / CYCLE_COLUMNS - 1; // below line 0 this number wraps
-                                                               // around
+                const size_t line = l + a / CYCLE_COLUMNS - 1; // wraps around below line 0
                 const size_t column = c + a % CYCLE_COLUMNS - CYCLE_BACK;
                 const bool there = line < self->lines && column < self->columns;
                 if (!there || !self->unknown[node] || !self->unknown[line * self->columns + column])
@@ -223,9 +219,8 @@ static void clear_others(void *context, const team_part *part) {
         }
 }
 
-/* Adds an entry at a fine node to `row`, the row of coarse node (l, c). The entry is divided among
- * the coarse nodes from which the fine node is interpolated, by the weights of the
- * interpolation. */
+/* Adds an entry at a fine node to `row`, the row of coarse node (l, c), divided among the coarse
+ * nodes by the weights of the interpolation. */
 static void add_interpolated(double *row, double entry, size_t fine_line, size_t fine_column,
                              size_t l, size_t c, const level *coarse) {
     const size_t stride = coarse->stride;

@@ -213,8 +213,7 @@ void previous_filter(previous_state *self, double share, previous_carrier *carri
     set_values(carrier, self->filtered, base ? carrier->base_film : NULL, share);
     for (size_t k = 0; k < grid->num_nodes; k++) {
         self->filtered[k] = carrier->values[k] - self->filtered[k];
-        // natural splines fit the film minus the gap well, since it bends little at the ends of the
-        // grid
+        // natural splines fit film minus gap well, since it bends little at the grid's ends
         carrier->values[k] -= grid_gap(grid, k);
     }
     fit_lines(self->deflection, carrier->values, carrier);
@@ -243,8 +242,7 @@ static double value_near(const spline *self, double x, size_t *near) {
     return spline_value(self, x, *near);
 }
 
-/* Interpolates the values on every line at the places from which the fluid at the inner nodes
- * comes. */
+/* Interpolates on every line at the places from which the fluid at the inner nodes comes. */
 static void resample_along(double *along, spline *const *splines, origin from,
                            const previous_carrier *self) {
     const ehd_grid *grid = &self->reference.grid;
@@ -260,8 +258,8 @@ static void resample_along(double *along, spline *const *splines, origin from,
     }
 }
 
-/* Collects the values of column `i` on the lines of the whole grid. The values of a half grid are
- * mirrored. */
+/* Copies column `i` of `along` to across_values, which covers a whole grid. On a half grid, adds
+ * the mirror image of each value. */
 static void gather_column(previous_carrier *self, size_t i) {
     const ehd_grid *grid = &self->reference.grid;
     size_t num_lines = grid_lines(grid), mirror = grid->half ? num_lines - 1 : 0;

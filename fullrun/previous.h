@@ -17,38 +17,31 @@ typedef struct previous_state {
     full_state state;
     size_t num_lines;
     spline **deflection; // [num_lines] splines of film minus gap, along each line
-    spline **pressure;   // [num_lines] splines of the pressure; NULL if the lubricant is
-                         // incompressible, so that rho H is the film
+    spline **pressure;   // [num_lines] splines of the pressure; NULL: incompressible
     double *filtered;    // [num_nodes] change of the film that the filter causes
-    double *beyond; // [num_nodes of the carrier's wide grid] deflection without H0; beyond[0] is
-                    // NaN until the array is computed
+    double *beyond;      // [nodes of carrier->wide] deflection without H0; [0] is NaN: not computed
 } previous_state;
 
 /* Memory for carrying states over into the current frame. */
 typedef struct previous_carrier {
     ehd_contact reference;
-    double *nodes;           // [width of the grid] X along a line
-    double *values;          // [num_nodes] scratch
-    double *film, *pressure; // [num_inner] fields of a state, in the current frame
-    double *along;     // [lines, inner_x] values at X of the current frame and Y of the state's
-                       // frame
-    size_t num_across; // number of lines of the whole grid, boundary lines included
+    double *nodes;                 // [width of the grid] X along a line
+    double *values;                // [num_nodes] scratch
+    double *film, *pressure;       // [num_inner] fields of a state, in the current frame
+    double *along;                 // [lines, inner_x] at X of the current frame, Y of the state's
+    size_t num_across;             // number of lines of the whole grid, boundary lines included
     double *lines, *across_values; // [num_across] Y of the whole grid's lines, and scratch
     spline *across;                // spline across the lines; NULL on a line contact
     spline **errors;               // [lines] scratch of previous_errors
     ehd_grid wide;                 // the grid with a margin around it
-    size_t margin, side; // numbers of columns and lines that the margin adds at each end; a half
-                         // grid has additional lines at one end only
-    ehd_deflection *deflection; // on the wide grid
-    arena memory;               // memory of all arrays
+    size_t margin, side;           // columns and lines added at each end (half grid: one end)
+    ehd_deflection *deflection;    // on the wide grid
+    arena memory;                  // memory of all arrays
     // for transport along the path:
     path_filter filter;         // filter of the difference between a state and the start
-    const previous_state *base; // state of the start, which is carried at fixed places; NULL: the
-                                // base is not set yet
-    double *base_film;          // [num_nodes] film of the base minus the heights of a surface at
-                                // rest
-    double base_until;          // T at which the entrainment first reverses; from then on the base
-                                // is not used
+    const previous_state *base; // state of the start, carried at fixed places; NULL: not set yet
+    double *base_film;          // [num_nodes] film of the base without a surface at rest
+    double base_until;          // T of the first reversal; from then on the base is not used
 } previous_carrier;
 
 /* Allocates the memory for states on the reference's grid. Free with previous_carrier_free.
@@ -57,8 +50,7 @@ ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *refe
                                  ehd_error *error);
 void previous_carrier_free(previous_carrier *self);
 
-/* Allocates memory and splines for a state on the reference's grid. Free with previous_free. Error:
- * EHD_MEMORY. */
+/* Allocates a state on the reference's grid; free with previous_free. Error: EHD_MEMORY. */
 ehd_status previous_init(previous_state *self, const ehd_contact *reference, ehd_error *error);
 void previous_free(previous_state *self);
 
@@ -71,20 +63,17 @@ double previous_bytes(const ehd_contact *reference, size_t num_states);
  * used; INFINITY: this time is not known. */
 void previous_set_base(previous_carrier *self, const previous_state *base, double until);
 
-/* Returns the base for a state in a frame, or NULL from the first reversal
- * of the entrainment on. */
+/* Returns the base for a state in a frame; NULL from the first reversal of the entrainment on. */
 const previous_state *previous_base(const previous_carrier *self, const contact_frame *frame);
 
 /* Ends the use of the base if the entrainment of this frame is opposite to that of the base. To be
  * called with the frame of each accepted state. */
 void previous_watch_base(previous_carrier *self, const contact_frame *frame);
 
-/* Computes the splines of a state. With transport along the path, filters its film and pressure
- * first. */
+/* Computes a state's splines. With transport along the path, filters film and pressure first. */
 void previous_prepare(previous_state *self, previous_carrier *carrier);
 
-/* Computes the splines of a prepared state again, with the fraction `share` of the filter (0 …
- * 1). */
+/* Computes a prepared state's splines again, with the fraction `share` (0 … 1) of the filter. */
 void previous_filter(previous_state *self, double share, previous_carrier *carrier);
 
 /* Interpolates rho H of a previous state at the inner nodes of frame `now`. With transport along

@@ -35,7 +35,7 @@ static central_line central_line_of(const full_state *state, const ehd_grid *gri
 static const double SAFETY = 1.25;
 
 /* Factor that turns the error estimate for the domain of a point or elliptic contact into a bound.
- * The estimate compares two domains; for two grids Roache gives a factor of 3. For five of 113
+ * The estimate compares two domains; for two grids Roache gives a factor of 3. For five of 135
  * random ellipses an estimate with the factor 1.25 is below the error; with the factor 1.5 this
  * holds for one ellipse (README.md, Estimates of inlet and step; boundary.bats, "the effect of the
  * domain is found"). */
@@ -88,9 +88,8 @@ static void viscous_pressure(double *viscous, const double *log_viscosity, const
 }
 
 /* For an inlet that begins at minus infinity, returns the pressure at `start` and the load upstream
- * of `start`. A grid that begins at `start` lacks both quantities. They follow from dP/dX =
- * viscosity lambda (H - H_exit)/H^3, where H is the gap of the dry contact plus a constant. The
- * integration is over s, with X = start / s, by the midpoint rule. */
+ * of `start`, from dP/dX = viscosity lambda (H - H_exit)/H^3. H is the gap of the dry contact plus
+ * a constant. The midpoint rule integrates over s, with X = start / s. */
 static inlet_tail tail_before(const central_line *line, const ehd_contact *contact, double start) {
     // Number of intervals. From 20 intervals on, the first two digits of the inlet estimates do not
     // change, for M = 1, 5 and 20 (README.md, Estimates of inlet and step).
@@ -177,8 +176,7 @@ static size_t node_of_coarse(const ehd_grid *grid, const ehd_grid *coarse, size_
     return line < grid_lines(grid) ? line * grid_width(grid) + stride * (column - 1) + 1 : NO_NODE;
 }
 
-/* Sets a state on the coarse grid to the solution at every `stride`-th inner node of the fine
- * grid. */
+/* Sets a coarse state to the solution at every `stride`-th inner node of the fine grid. */
 static void restrict_state(full_state *coarse, const ehd_grid *grid, const full_state *solution,
                            const ehd_grid *fine, size_t stride) {
     for (size_t r = 0; r < grid->num_inner; r++) {
@@ -270,8 +268,7 @@ static void set_change(inlet_change *change, const film_pair *after, const film_
     change->rolling = solved ? after->rolling / before->rolling - 1 : INFINITY;
 }
 
-/* Solves a contact again on the same grid, with another pressure around the grid. Sets the change
- * of the films. */
+/* Solves a contact again with another pressure around the grid. Sets the change of the films. */
 static ehd_status solve_surrounded(inlet_change *change, coarse_grid *self, const film_pair *films,
                                    ehd_error *error) {
     const ehd_grid *grid = &self->contact.grid;
@@ -286,8 +283,7 @@ static ehd_status solve_surrounded(inlet_change *change, coarse_grid *self, cons
     return status;
 }
 
-/* Finds how much an endless inlet changes the films of a solved line contact. For this, adds the
- * pressure and the load of the inlet upstream of the grid. */
+/* Finds how much an endless inlet changes the films of a solved line contact. */
 static ehd_status solve_with_tail(inlet_change *change, coarse_grid *self, const film_pair *films,
                                   ehd_error *error) {
     const ehd_grid *grid = &self->contact.grid;
@@ -295,8 +291,7 @@ static ehd_status solve_with_tail(inlet_change *change, coarse_grid *self, const
     inlet_tail *tail = &self->contact.tail;
 
     *tail = tail_before(&line, &self->contact, grid_x(grid, 0));
-    tail->load += tail->pressure * grid->step / 2; // adds the load up to the cell of the first
-                                                   // inner node
+    tail->load += tail->pressure * grid->step / 2; // load up to the cell of the first inner node
     return solve_surrounded(change, self, films, error);
 }
 
@@ -325,15 +320,13 @@ static twice_as_large twice_the_size(const ehd_grid *of) {
                             before, of->half ? 0 : beside};
 }
 
-/* Returns the node of the larger grid at the place of a node of the smaller one. */
 static size_t node_in_larger(const twice_as_large *larger, const ehd_grid *of, size_t node) {
     const size_t line = node / grid_width(of) + larger->beside;
 
     return line * grid_width(&larger->grid) + node % grid_width(of) + larger->before;
 }
 
-/* Sets a start on the larger grid: the solution of the smaller grid, and the
- * far field around it. */
+/* Sets a start on the larger grid: the smaller grid's solution, and the far field around it. */
 static void enlarge_state(full_state *target, const twice_as_large *larger,
                           const coarse_grid *smaller) {
     const ehd_grid *grid = &larger->grid, *of = &smaller->contact.grid;
@@ -479,8 +472,7 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
     self->order = full_observed_order(central);
     const double safety = is_line ? SAFETY : SAFETY_OF_DOMAIN;
     self->effects.of[EFFECT_INLET] = safety * fabs(of_central[1]);
-    // The minimum may move to another node of the coarse grid. The minimum film may then change too
-    // little by chance.
+    // If the minimum moves to another node, the minimum film may change too little by chance.
     self->effects.of[EFFECT_INLET_MINIMUM] =
         fmax(self->effects.of[EFFECT_INLET], safety * fabs(of_minimum[1]));
     const double step = SAFETY * step_effect(central, of_central, order, default_accuracy, 0.5);
@@ -519,8 +511,7 @@ static void set_rolling_effects(full_resolution *self, const film_pair films[3],
 ehd_status full_resolution_estimate(full_resolution *self, const full_state *state,
                                     const ehd_contact *contact, team *threads, ehd_error *error) {
     const ehd_grid *grid = &contact->grid;
-    ehd_contact on[3] = {*contact}; // on grids with the step, twice the step and four times the
-                                    // step
+    ehd_contact on[3] = {*contact}; // with the steps h, 2h and 4h
     film_pair films[3] = {no_films, no_films, no_films};
     inlet_change change = {NAN, NAN, grid->x_min, NAN};
     const central_line line = central_line_of(state, grid);

@@ -11,8 +11,7 @@
 
 typedef struct full_resolution {
     film_effects effects; // infinite values: the grid is too coarse for an estimate
-    double order;         // order of convergence of H_c with the steps h, 2h and 4h; NaN: no order
-                          // observed
+    double order;         // order of convergence of H_c with steps h, 2h, 4h; NaN: none observed
     // numbers of nodes at Y = 0:
     size_t inlet_nodes;  // nodes whose viscous pressure is 10 to 90 % of that at the centre
     size_t spike_nodes;  // nodes above half of the height of the pressure spike; 0: no spike
@@ -24,7 +23,7 @@ typedef struct full_resolution {
  *
  * In two cases the limit also decides whether a step is too coarse for an estimate:
  * - On a point or elliptic contact with the accurate rows, the step is too coarse if the estimate
- *   of the central film exceeds this limit. In 17 random contacts such estimates were 0.5 to 31
+ *   of the central film exceeds this limit. In 21 random contacts such estimates were 0.5 to 31
  *   times the error.
  * - If no order of convergence is observed, the step is too coarse if a doubled step changes the
  *   minimum film by more than this limit, or the central film by more than default_accuracy

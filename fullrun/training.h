@@ -39,8 +39,7 @@ typedef struct training {
     const training_set *set;
     trained_point *points; // [num_points of the set]
     const bool *wanted;    // [num_points] whether to solve a point; NULL: all points are solved
-    bool with_effects;     // also estimates the errors of the grid, at points with `estimated` in
-                           // the set
+    bool with_effects;     // also estimates grid errors, at points with `estimated` in the set
     size_t num_failed;     // number of points that are done, but not EHD_OK
     size_t num_done;
     /* Stores a finished point. Called by one thread at a time. */

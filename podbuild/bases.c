@@ -38,7 +38,6 @@ static size_t count_readings(const snapshot_set *from, bool independent) {
     return count;
 }
 
-/* Resizes an array to num_fields fields. */
 static ehd_status make_room(double **fields, const reading *self, size_t num_fields,
                             ehd_error *error) {
     double *longer = array_resize(*fields, num_fields, self->from->grid.num_nodes, sizeof *longer);
@@ -132,9 +131,8 @@ static pod_settings share_of(const pod_settings *wanted, const snapshot_set *fro
     return root;
 }
 
-/* Checks that parts have not omitted too much energy. The limit is a share of the allowed energy.
- * If the number of modes is given and these modes omit more than the allowed energy, the limit is a
- * share of the energy that they omit. */
+/* Checks that parts have not omitted too much energy. The limit is a share of the allowed energy,
+ * or of the energy that a given number of modes omits, if this energy is larger. */
 static ehd_status check_distance(const pod_basis *pod, const snapshot_set *from,
                                  const bases_settings *settings, const bases_plan *plan,
                                  ehd_error *error) {
@@ -260,7 +258,6 @@ static ehd_status project_part(reduced_states *states, size_t first, reading *se
     return status;
 }
 
-/* Computes the coordinates of all states in the modes of the pressures and deflections. */
 static ehd_status find_coordinates(reduced_states *states, reading *self, const pod_basis pods[2],
                                    ehd_error *error) {
     snapshot_set *from = self->from;

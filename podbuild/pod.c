@@ -82,7 +82,6 @@ ehd_status pod_check_snapshots(const double *snapshots, size_t count, size_t num
                     snapshots[i], first + i / num_nodes, i % num_nodes, LARGEST_VALUE);
 }
 
-/* Determines the number of modes from the settings and the singular values. */
 static ehd_status choose_num_modes(size_t *num_modes, const double *singular_values,
                                    size_t num_singular_values, const pod_settings *settings,
                                    ehd_error *error) {

@@ -166,7 +166,6 @@ static void subtract(pod_stream *self, components *to, size_t first) {
         cblas_daxpy((int)num, 1, to->again + i * stride, 1, to->along + i * stride + first, 1);
 }
 
-/* Appends modes to the directions. */
 static ehd_status append(pod_stream *self, const pod_basis *modes, ehd_error *error) {
     const size_t before = self->rank, after = before + modes->num_modes;
     double *longer = array_resize(self->directions, after, self->num_nodes, sizeof *longer);
@@ -245,8 +244,7 @@ static ehd_status take_up(bool *full, double *left, pod_stream *self, components
     subtract(self, to, 0);
     *left = squared(self->waiting, self->num_waiting, self->num_nodes);
     for (int round = 0; !status && !*full && *left > allowed && round < MAX_EXTENSIONS; round++) {
-        // subtracts once more, because the round-off of the first subtraction may be as large as
-        // the remainder
+        // subtracts again, since the first subtraction's round-off may be as large as the remainder
         subtract(self, to, 0);
         *left = squared(self->waiting, self->num_waiting, self->num_nodes);
         if (!(*left > allowed)) break;
@@ -383,8 +381,7 @@ ehd_status pod_stream_add(pod_stream *self, const double *snapshots, size_t coun
         pod_check_snapshots(snapshots, count, num_nodes, self->num_snapshots, error);
 
     for (size_t i = 0; i < count && !status; i++) {
-        // a full block is absorbed only if another snapshot follows, because a single block has the
-        // exact POD
+        // a full block waits for another snapshot, because a single block has the exact POD
         if (self->num_waiting == self->settings.block) status = absorb(self, error);
         if (status) break;
         double *row = self->waiting + self->num_waiting++ * num_nodes;

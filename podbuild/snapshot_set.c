@@ -11,8 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Number of files that stay open between two readings, so that their digests are checked only
- * once. */
+/* Number of files kept open between readings, so that their digests are checked only once. */
 enum { KEPT_OPEN = 200 };
 
 // ---- columns

@@ -26,8 +26,7 @@ typedef struct snapshot_source {
     // Columns of the states; empty for a part. The only coordinate is the rigid approach. Exits
     // are set only for solutions in memory.
     reduced_states states;
-    size_t num_rows;       // number of rows: stationary states, then compressed steps of
-                           // trajectories; modes of a part
+    size_t num_rows;       // stationary states, then compressed steps; modes of a part
     size_t num_stationary; // number of rows that are stationary states
     size_t *row_state;     // [num_stationary] states of the stationary rows
 } snapshot_source;
@@ -72,8 +71,7 @@ ehd_status snapshot_set_gather(
 
 void snapshot_set_close(snapshot_set *self); // also accepts a zero struct
 
-/* Opens a source unless it is open. snapshot_set_leave closes the source again if there are many
- * files. */
+/* Opens a source unless it is open. If there are many files, snapshot_set_leave closes sources. */
 ehd_status snapshot_set_use(snapshot_set *self, size_t source, ehd_error *error);
 void snapshot_set_leave(snapshot_set *self, size_t source);
 

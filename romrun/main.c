@@ -40,15 +40,12 @@ typedef struct romrun_options {
     const char *against;    // NULL: no comparison
     part_list models;       // files of the model: one file, or the files of a list
     part_sizes sizes;       // sizes for each of these files
-    double accuracy;        // largest film error, which selects the sizes (--accuracy); 0:
-                            // --accuracy is not given
+    double accuracy;        // value of --accuracy, which selects the sizes; 0: not given
     accuracy_limits limits; // limits of other quantities
-    part_sizes fallback;    // most accurate sizes, used if the result with `sizes` is not accurate
-                            // enough
+    part_sizes fallback;    // most accurate sizes, used where `sizes` does not suffice
     // reason why no step of the reduced model is trusted; NULL: each step is judged by itself
     const char *distrust;
-    const char *fall_back; // "full": the full model solves what no model size solves; NULL or
-                           // "none": no fallback
+    const char *fall_back; // "full": fallback to the full model; NULL or "none": no fallback
     bool allow_untrusted, resume, verify;
     size_t repeats;  // number of solutions in a row; their median time is reported
     size_t fmi;      // version of the FMI: 2 or 3
@@ -155,8 +152,7 @@ static size_t add_models(const char *inputs[MAX_INPUTS], size_t count,
     return count;
 }
 
-/* Lists the files that no output may overwrite: the arguments, the models and, if there is one, the
- * file `other`. The list ends with NULL. */
+/* Lists the files that no output may overwrite, then NULL. `other`: one more file or NULL. */
 static void list_inputs(const char *inputs[MAX_INPUTS], const program *self,
                         const romrun_options *options, const char *other) {
     size_t count = 0;
@@ -182,9 +178,8 @@ static ehd_status print_verification(online_solver *solver, const online_result 
     return EHD_OK;
 }
 
-/* Makes a text of the scene's settings and of the command line options that change the solution.
- * For a table of scenes the text also contains the limits of --accuracy-of, because the rows of the
- * table depend on these limits. */
+/* Makes a text of the scene's settings and of the options that change the solution. For a table of
+ * scenes these include the limits of --accuracy-of. */
 static ehd_status text_with_sizes(char **whole, const char *text, const romrun_options *options,
                                   bool table, ehd_error *error) {
     char accuracy[NUMBER_TEXT + 16] = "", number[NUMBER_TEXT];
@@ -225,7 +220,6 @@ static void attempt_free(attempt *self) {
     *self = (attempt){0};
 }
 
-/* Solves with the open model. */
 static ehd_status attempt_solve(attempt *self, const romrun_options *options,
                                 const ehd_contact *contact, ehd_error *error) {
     ehd_status status = online_solver_create(&self->solver, self->model, error);
@@ -275,14 +269,14 @@ typedef struct stationary_run {
     const ehd_contact *contact;
     stored_result against; // result of --against
     attempt attempt;
-    fallback full;             // zero unless the full model solves the scene
-    bool by_full_model;        // true: the full model solved the scene
+    fallback full; // zero unless the full model solves the scene
+    bool by_full_model;
     double *pressure, *film;   // [nodes of the grid], NULL unless fields or traction need them
     double *exits;             // [inner lines of the whole grid]
     film_effects effects;      // errors that the model's grid causes
     contact_traction traction; // set if the surfaces slide
     run_result result;         // points to the members above
-    char *text;                // text of the settings
+    char *text;
 } stationary_run;
 
 static void stationary_run_free(stationary_run *self) {
@@ -307,8 +301,7 @@ static ehd_status read_against(stationary_run *self, bool with_fields, ehd_error
                          against->thinning, &grid, path, self->contact, error);
 }
 
-/* Fills self->result from the solution and its exits. If wanted, adds the fields and the errors
- * that the model's grid causes. */
+/* Fills self->result. `with_effects`: also estimates the errors due to the grid. */
 static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_effects,
                               ehd_error *error) {
     const ehd_grid *grid = &self->contact->grid;
@@ -362,8 +355,7 @@ static void add_seconds(run_result *full, const run_result *reduced) {
     full->seconds_exit = reduced->seconds_exit;
 }
 
-/* Solves the scene with the full model if the reduced result is not good enough, and prints a
- * note. */
+/* Solves with the full model if the reduced result is not good enough, and prints a note. */
 static ehd_status fall_back(stationary_run *self, bool with_fields, bool with_effects,
                             ehd_error *error) {
     const romrun_options *options = self->options;
@@ -403,7 +395,6 @@ static ehd_status fall_back(stationary_run *self, bool with_fields, bool with_ef
     return EHD_OK;
 }
 
-/* Prints the result to stdout. */
 static ehd_status show(const stationary_run *self, ehd_error *error) {
     const romrun_options *options = self->options;
     const attempt *done = &self->attempt;
@@ -643,8 +634,7 @@ static ehd_status choose_sizes(romrun_options *options, const program *self, boo
     return status;
 }
 
-/* Refuses values and combinations of options that the tables `own_options` and `modes` do not
- * exclude. */
+/* Refuses wrong options that the tables `own_options` and `modes` do not exclude. */
 static ehd_status check_usage(const program *self, const romrun_options *options,
                               ehd_error *error) {
     const model_sizes *sizes = &options->sizes.of[0];
@@ -750,7 +740,6 @@ static ehd_status load_scene(scene *given, char **text, const program *self, ehd
     return status ? ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text) : EHD_OK;
 }
 
-/* Writes an FMU of one scene. */
 static ehd_status export_fmu(const program *self, void *own, ehd_error *error) {
     const romrun_options *options = own;
     online_model *model = NULL;
@@ -780,9 +769,8 @@ static ehd_status export_fmu(const program *self, void *own, ehd_error *error) {
     return status;
 }
 
-/* Checks a flat model or a list of models. Each HDF5 model of a list is checked like a single file.
- * Flat models are only opened, since opening a flat model reads and checks the whole file. Opening
- * the list also checks whether its models fit together. */
+/* Checks a flat model or a list of models. A flat model is only opened, which checks the whole
+ * file. Opening a list also checks whether its models fit together. */
 static ehd_status check_models(const char *path, ehd_error *error) {
     online_model *model = NULL;
     part_list list;
@@ -799,8 +787,7 @@ static ehd_status check_models(const char *path, ehd_error *error) {
     return status;
 }
 
-/* Checks a file for --check. check_models opens flat models and lists of models; output_check
- * checks all other files. */
+/* Checks a file for --check. */
 static int check(program *self) {
     bool is_flat = false;
     ehd_error error = {""};
@@ -882,7 +869,6 @@ static ehd_status run_cases(const program *self, void *own, ehd_error *error) {
     return status;
 }
 
-/* Solves one scene. */
 static ehd_status run_scene(const program *self, void *own, ehd_error *error) {
     romrun_options *options = own;
     online_model *model = NULL;

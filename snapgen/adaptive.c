@@ -119,8 +119,7 @@ static bool is_solved(const adaptive *self, size_t point) {
     return self->points.points[point].pressure != NULL;
 }
 
-/* Checks whether the full model and the model that estimated a state's error both have a
- * solution. */
+/* Checks whether the full model and the model that estimated a state's error both converged. */
 static bool is_compared(const adaptive *self, const adaptive_state *state) {
     return isfinite(state->verdict.bound[FILM_CENTRAL]) && is_solved(self, state->point);
 }
@@ -165,8 +164,7 @@ static film_factors factors_of(const adaptive *self, size_t round, double *work)
     return factors;
 }
 
-/* Returns the larger error estimate of the two films. If the factors are not known, returns the
- * larger bound. */
+/* Returns the larger estimate of the two films; the larger bound if the factors are not known. */
 static double indicated_by(const trial_verdict *verdict, const film_factors *factors) {
     double indicated = 0;
 
@@ -186,13 +184,11 @@ static double worst_of_film(const adaptive *self, size_t round, int film) {
     return worst;
 }
 
-/* Returns the larger worst_of_film of both films. */
 static double worst_deviation(const adaptive *self, size_t round) {
     return fmax(worst_of_film(self, round, FILM_CENTRAL), worst_of_film(self, round, FILM_MINIMUM));
 }
 
-/* Checks whether the model made before a round solved all points of the round that the full model
- * solved. */
+/* Checks whether the model made before a round solved all its points that the full model solved. */
 static bool is_round_compared(const adaptive *self, size_t round) {
     bool all = true;
 
@@ -277,9 +273,8 @@ static void normalise(double (*places)[RANGE_AXES], const training_set *set) {
             if (high[axis] > low[axis]) places[i][axis] /= high[axis] - low[axis];
 }
 
-/* Adds the corners of the convex hull of one family's candidates. The candidates of a family have
- * the same group and the same laws of the lubricant. `here`, `numbers` and `corners` are scratch
- * memory for num_points. */
+/* Adds the corners of the convex hull of one family's candidates. `here`, `numbers` and `corners`
+ * are scratch memory for num_points. */
 static ehd_status add_corners_of(adaptive *self, size_t family, const double (*places)[RANGE_AXES],
                                  double (*here)[RANGE_AXES], size_t *numbers, size_t *corners,
                                  ehd_error *error) {
@@ -335,8 +330,7 @@ static ehd_status add_first_round(adaptive *self, ehd_error *error) {
                : adaptive_file_add(self->file, self->set, self->states, 0, self->num_states, error);
 }
 
-/* Checks whether no error estimate of a round exceeds the accuracy. The next round is then a
- * check. */
+/* Checks whether all estimates of a round meet the accuracy. The next round is then a check. */
 static bool is_good(const adaptive *self, size_t round) {
     return self->rounds[round].indicated <= self->settings->accuracy;
 }
@@ -370,8 +364,7 @@ static ehd_status add_next_round(adaptive *self, ehd_error *error) {
 
 // ---- solving
 
-/* Returns the nearest point of earlier rounds, from which a new point can start. NO_PARENT: there
- * is no such point. */
+/* Returns the nearest point of earlier rounds as a start for a new point; NO_PARENT: none. */
 static size_t nearest_before(const adaptive *self, const tree_point *from,
                              const double scale[TREE_AXES]) {
     double nearest = INFINITY;
@@ -438,7 +431,6 @@ static ehd_status solve_round(adaptive *self, ehd_error *error) {
 
 // ---- judging
 
-/* Makes a model from all points that are solved. */
 static ehd_status build_model(reduced_model *model, trial_costs *costs, const adaptive *self,
                               ehd_error *error) {
     size_t count = 0;
@@ -566,7 +558,6 @@ static ehd_status judge_round(adaptive *self, ehd_error *error) {
 
 // ---- pieces
 
-/* Takes over solutions of the last round from pieces, which other processes have solved. */
 static ehd_status take_pieces(adaptive *self, const adaptive_task *task, ehd_error *error) {
     ehd_status status = EHD_OK;
 
@@ -578,7 +569,6 @@ static ehd_status take_pieces(adaptive *self, const adaptive_task *task, ehd_err
 
 // ---- parts of the region
 
-/* Counts the states that a round added. */
 static size_t count_round(const adaptive *self, size_t round) {
     size_t count = 0;
 
@@ -587,10 +577,9 @@ static size_t count_round(const adaptive *self, size_t round) {
     return count;
 }
 
-/* Estimates how many points one model needs for the wanted accuracy. Fits a straight line to the
- * last four rounds: the logarithm of the largest error estimate against the number of points.
- * Extends the line to the accuracy. Returns infinity if the line does not fall, or if candidates
- * have no solution. */
+/* Estimates how many points one model needs for the accuracy, from a straight line through the last
+ * four rounds: the logarithm of the largest error estimate against the number of points. Returns
+ * infinity if the line does not fall, or if candidates have no solution. */
 static double expected_points(const adaptive *self) {
     const size_t count = smaller(self->num_rounds, 4), first = self->num_rounds - count;
     double mean_points = 0, mean_worst = 0, slope = 0, spread = 0;
@@ -655,7 +644,6 @@ static bool is_finished(const adaptive *self) {
            self->num_states >= smaller(self->set->num_points, self->settings->max_points);
 }
 
-/* Counts the points that are chosen, but not solved yet. */
 static size_t count_open(const adaptive *self) {
     return self->num_states - self->points.num_done;
 }
@@ -690,7 +678,6 @@ static ehd_status run_rounds(adaptive *self, const adaptive_task *task, ehd_erro
     return status;
 }
 
-/* Sets `trained` and `state_of_point` from the states. */
 static void mark_states(adaptive *self) {
     for (size_t s = 0; s < self->num_states; s++) {
         self->trained[self->states[s].point] = true;
@@ -713,8 +700,7 @@ static ehd_status open_file(adaptive *self, bool resume, ehd_error *error) {
     return adaptive_file_create(&self->file, self->caller, self->set, self->plan_path, error);
 }
 
-/* Warns that all points are used without a successful check. Names the contact with the largest
- * estimate, and a remedy. */
+/* Warns that all points are used without a successful check. */
 static void warn_of_end(const adaptive *self) {
     const bool limited = self->num_states < self->set->num_points;
     char name[POINT_NAME] = "";

@@ -36,22 +36,20 @@ typedef struct adaptive_task {
     shard piece;           // for adaptive_solve: the piece of these points to solve
 } adaptive_task;
 
-/* Trains round by round on points that are chosen among the candidates. The candidates are the
- * points of the set.
+/* Trains round by round on points that are chosen among the candidates, the points of the set.
  * - The points of a round are solved with the full model. A reduced model of all solved points
  *   estimates the errors of the other candidates (romrun/trust/indicator.h). The factor of the
- *   estimates is fitted to the points of the last round, for which the previous model had
- *   estimates.
+ *   estimates is fitted to the last round, for whose points the previous model had estimates.
  * - The next round has the candidates with the largest estimates.
- * - If no estimate exceeds the accuracy, the next round is a check. It has some points with the
- *   largest estimates, and some points as far as possible from all others. If the previous model
- *   was as accurate as wanted at these points, training ends. Otherwise training goes on.
+ * - If no estimate exceeds the accuracy, the next round is a check of some points with the largest
+ *   estimates, and some points as far as possible from all others. Training ends if the previous
+ *   model was as accurate as wanted at these points.
  *
  * The output file, caller->output, grows from round to round, and an interrupted training can be
  * resumed. The chosen points and their solutions do not depend on num_workers, on interruptions, or
  * on the process that solved a point. Solutions of the last round in `pieces` are taken over. With
- * `parts` the training ends early if one model is expected to need too many points. A list of
- * parts of the region is then written in place of the output (README.md, Parts of a region).
+ * `parts` the training ends early if one model is expected to need too many points, and writes a
+ * list of parts of the region in place of the output (README.md, Parts of a region).
  * Errors: EHD_NOT_CONVERGED: more points than allowed, or all points, failed in the full model;
  * EHD_DATA: trajectories in the plan, a piece of another training or round; EHD_INTERRUPTED; errors
  * of snapshots_create and snapshots_resume. */

@@ -120,7 +120,6 @@ static ehd_status restore_state(training *points, double (*films)[NUM_FILMS], ar
     return !status && !whole && !of_last_round ? EHD_DATA : status;
 }
 
-/* Checks that no point is chosen more than once. */
 static ehd_status check_distinct(const adaptive_state *states, size_t count, const char *path,
                                  ehd_error *error) {
     for (size_t i = 1; i < count; i++)
@@ -133,7 +132,6 @@ static ehd_status check_distinct(const adaptive_state *states, size_t count, con
     return EHD_OK;
 }
 
-/* Reads the chosen states, and restores each state that is done. */
 static ehd_status read_states(adaptive_state *states, double (*films)[NUM_FILMS], training *points,
                               artefact *file, size_t count, ehd_error *error) {
     const size_t num_points = points->set->num_points;

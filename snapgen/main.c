@@ -157,7 +157,6 @@ static ehd_status check_failures(const program *self, size_t num_failed, size_t 
                     self->arguments[0], num_failed, num_points, allowed);
 }
 
-/* Returns any contact of a set. */
 static const ehd_contact *set_contact(const training_set *set) {
     return set->num_points > 0 ? set->contacts : &set->trajectories->contact;
 }
@@ -297,8 +296,7 @@ static ehd_status write_parts(const program *self, const training_set *set, size
     return status;
 }
 
-/* Runs the first mode: solves points of the plan with the full model. These are all points, or the
- * points that an adaptive training needs. */
+/* Runs the first mode: the full model solves all points, or as many as adaptive training needs. */
 static ehd_status train(const program *self, const snapgen_options *options, ehd_error *error) {
     const char *plan_path = self->arguments[0];
     const shard whole = {1, 1};

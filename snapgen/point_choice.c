@@ -70,8 +70,7 @@ static bool is_plane(const hull *self) {
     return true;
 }
 
-/* For each coordinate, adds the first point with the smallest value and the first point with the
- * largest value. */
+/* Adds the first point with the smallest and with the largest value of each coordinate. */
 static void add_extremes(hull *self) {
     for (int axis = 0; axis < RANGE_AXES; axis++) {
         size_t least = 0, most = 0;
@@ -84,7 +83,6 @@ static void add_extremes(hull *self) {
     }
 }
 
-/* Removes corners that are listed twice. */
 static void drop_repeated(hull *self) {
     size_t count = 0;
 
@@ -183,9 +181,8 @@ static size_t worst(const candidates *from, const nearness *near, double part, b
     return best;
 }
 
-/* Returns the worst candidate that is far enough from the candidates chosen now. Lowers the
- * required distance until there is such a candidate. Candidates that differ only by round-off are
- * treated as the same candidate. */
+/* Like `worst`, but lowers the required distance until there is such a candidate. Candidates that
+ * differ only by round-off count as one. */
 static size_t furthest_worst(const candidates *from, const nearness *near, bool known) {
     size_t found = NO_PARENT;
 

@@ -33,7 +33,6 @@ static ehd_status sorted_places(double **places, const parts_request *of, ehd_er
     return EHD_OK;
 }
 
-/* Returns the range of ln M of a whole set. */
 static part extent_of(const training_set *set) {
     part all = {INFINITY, -INFINITY};
 
@@ -56,8 +55,7 @@ static ehd_status too_narrow(const parts_request *of, ehd_error *error) {
                     of->plan_path, of->num_parts);
 }
 
-/* Divides the region into parts with equal numbers of points, and then extends the parts so that
- * they overlap. */
+/* Divides the region into parts with equal numbers of points, and extends them to overlap. */
 static ehd_status cut(part *parts, const parts_request *of, ehd_error *error) {
     const part all = extent_of(of->set);
     const size_t last = of->num_parts - 1;
@@ -83,8 +81,7 @@ static ehd_status cut(part *parts, const parts_request *of, ehd_error *error) {
     return status;
 }
 
-/* Returns the factor by which the number of a part's candidates must grow to equal the number of
- * candidates of the whole region. */
+/* Returns the factor on the number of a part's candidates that gives as many as the region has. */
 static double density_of(const part *range, const training_set *set) {
     size_t count = 0;
 
@@ -95,7 +92,6 @@ static double density_of(const part *range, const training_set *set) {
     return count > 0 ? (double)set->num_points / (double)count : 1;
 }
 
-/* Writes a text in the quotes of YAML. */
 static void write_quoted(FILE *stream, const char *text) {
     fputc('"', stream);
     for (; *text; text++) {

@@ -264,8 +264,7 @@ static ehd_status write_iterations(void *sink, size_t point, const point_trace *
 }
 
 /* Writes the compressed iterations of the trajectories, after the iterations of the points.
- * `width`: length of a row of the file. If one of the two sets has fewer rows, rows of zeros are
- * added, which have no effect. */
+ * `width`: length of a row of the file. Shorter sets are filled with rows of zeros. */
 static ehd_status put_compressed(artefact *file, const trajectories *repeated, size_t width,
                                  size_t first, size_t count, ehd_error *error) {
     const struct {
@@ -387,7 +386,6 @@ static ehd_status number_iterations(artefact *file, size_t count, ehd_error *err
     return status;
 }
 
-/* Writes the iterations of trajectories and the data of the states, and finishes the file. */
 static ehd_status end_file(artefact **file, const repeated_training *training,
                            size_t num_iterations, ehd_error *error) {
     const trajectories *repeated = &training->repeated;

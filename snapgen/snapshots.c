@@ -50,8 +50,7 @@ static ehd_status put_contacts(artefact *file, const training_set *set, ehd_erro
     return status;
 }
 
-/* Returns the number of entries along the axis `state`: the points, then the kept states of each
- * trajectory. */
+/* Returns the number of states: the points, then the kept states of each trajectory. */
 static size_t num_states(const training_set *set) {
     return set->num_points + set->num_trajectories * NUM_KEPT;
 }
@@ -66,7 +65,6 @@ static bool is_effect(const char *name) {
     return false;
 }
 
-/* Checks whether error estimates of the grid are wanted for any point. */
 static bool any_estimated(const training_set *set) {
     for (size_t i = 0; i < set->num_points; i++)
         if (set->estimated[i]) return true;
@@ -147,7 +145,6 @@ static ehd_status put_exits(artefact *file, const ehd_grid *grid, size_t place,
     return status;
 }
 
-/* Writes pressure and film, [num_nodes] each, and the places where the pressure ends. */
 static ehd_status put_fields(artefact *file, const ehd_grid *grid, size_t place,
                              const double *pressure, const double *film, ehd_error *error) {
     ehd_status status = grid_put_field(file, "pressure", place, pressure, grid, false, error);

@@ -22,8 +22,7 @@ ehd_status snapshots_create(
 ehd_status snapshots_open_partial(artefact **file, const training_set *set, const program *caller,
                                   ehd_error *error);
 
-/* Opens NAME.partial to continue it, and marks in `points` the points that are done. Errors: as
- * artefact_resume. */
+/* Opens NAME.partial and marks the finished points in `points`. Errors: as artefact_resume. */
 ehd_status snapshots_resume(artefact **file, training *points, const program *caller,
                             ehd_error *error);
 

@@ -38,7 +38,6 @@ typedef struct task {
 
 enum { PARTS_SHOWN = 1000 }; // number of parts of the work that the progress line counts
 
-/* A trajectory that is being computed. */
 typedef struct trajectory_run {
     task *owner;
     size_t number;
@@ -256,8 +255,7 @@ static ehd_status merge_one(pod_stream *all, pod_basis *set, bool failed, ehd_er
     return status;
 }
 
-/* Merges the finished trajectories in the order of the plan. The result therefore does not depend
- * on the number of threads. */
+/* Merges the finished trajectories in the order of the plan, for any number of threads. */
 static ehd_status finish_trajectory(void *shared, void *worker, size_t number, size_t parent,
                                     ehd_error *error) {
     task *owner = shared;

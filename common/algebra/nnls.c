@@ -114,8 +114,7 @@ static ehd_status begin(active_set *self, const double *matrix, const double *ri
     return EHD_OK;
 }
 
-/* Returns the unused column with the steepest descent. If no descent exceeds `least`, returns
- * num_columns. */
+/* Returns the unused column with the steepest descent, or num_columns if none exceeds `least`. */
 static size_t steepest(const active_set *self, double least) {
     const size_t first = self->num_used, left = self->num_rows - first;
     const double *residual = right_of(self) + first;
@@ -131,8 +130,7 @@ static size_t steepest(const active_set *self, double least) {
     return best;
 }
 
-/* Adds a column to the columns in use. A Householder reflection of the rows from num_used on makes
- * the column triangular. Returns false if the column depends on the columns in use. */
+/* Adds a column to the columns in use. Returns false if the column depends on these columns. */
 static bool take(active_set *self, size_t taken) {
     const size_t first = self->num_used;
     const size_t left = self->num_rows - first;
@@ -153,8 +151,7 @@ static bool take(active_set *self, size_t taken) {
     return true;
 }
 
-/* Removes the column used[place] from the columns in use. Givens rotations make the later columns
- * in use triangular again. */
+/* Removes the column used[place]. Givens rotations make the later columns triangular again. */
 static void drop(active_set *self, size_t place) {
     self->in_use[self->used[place]] = false;
     self->num_used--;

@@ -47,15 +47,13 @@ typedef enum artefact_values {
     VALUES_FILM_NODE    // indices of film nodes, ascending
 } artefact_values;
 
-/* Describes the factor that converts a dimensionless number to SI units. The factor is the first of
- * `attributes` that the file has. The schema gives the SI unit of that attribute. If `frame` is
- * set, the factor is also multiplied by the field `frame`, because each entry has a unit of its
- * own, such as the half width at its time. */
+/* Factor that converts a dimensionless number to SI units: the first of `attributes` that the file
+ * has. If `frame` is set, the factor is multiplied by this field, because each entry has a unit of
+ * its own, such as the half width at its time. The schema gives the SI unit of the attribute. */
 typedef struct artefact_scale {
     // names of the attributes that hold the unit, such as "film_unit"; NULL: the frame holds it
     const char *attributes[2];
-    const char *frame; // name of a field along one axis, in multiples of the attribute; NULL: no
-                       // field is a factor
+    const char *frame; // field along one axis, in multiples of the attribute; NULL: none
 } artefact_scale;
 
 typedef struct artefact_axis {
@@ -91,8 +89,7 @@ typedef struct artefact_attribute {
 
 typedef struct artefact_schema {
     const char *name;                     // "ehdrom-snapshots"
-    int major, minor;                     // a reader refuses a larger major version, but
-                                          // accepts any minor version
+    int major, minor;                     // readers refuse only a larger major version
     const char *title;                    // attribute `title` of such a file
     const artefact_axis *axes;            // ends with {0}
     const artefact_field *fields;         // ends with {0}
@@ -108,9 +105,8 @@ typedef struct artefact artefact;
 // ---- writing
 
 /* Creates PATH.partial for writing. PATH itself is untouched until artefact_finish. EHD_CANTCREATE:
- * PATH.partial cannot be written, or another process writes PATH.partial. Without program->force,
- * the function also returns EHD_CANTCREATE if PATH exists, or if PATH.partial holds finished work
- * of an interrupted run.
+ * PATH.partial cannot be written, or another process writes PATH.partial; without program->force
+ * also if PATH exists, or if PATH.partial holds finished work of an interrupted run.
  *
  * `settings_text` is stored as attribute `settings`. For each path in `inputs` (NULL-terminated,
  * may be NULL), the attributes `input_<n>_path` and `input_<n>_sha256` store the path and the
@@ -133,15 +129,13 @@ ehd_status artefact_create_growing(
     const char *path, const artefact_schema *schema, const char *axis, const program *program,
     const char *settings_text, const char *const *inputs, ehd_error *error);
 
-/* Declares an axis with at least one entry and writes its scale. If `values` is NULL, the scale is
- * 0, 1, 2, … */
+/* Declares an axis with at least one entry and writes its scale. NULL: the values are 0, 1, 2, … */
 ehd_status artefact_put_axis(artefact *file, const char *name, size_t length, const double *values,
                              ehd_error *error);
 
-/* Writes `count` values of the growing axis from `first` on. If the axis becomes longer, all fields
- * on it grow first and the axis itself last. A reader that looks up the length of the axis
- * therefore finds that many entries in every field. Write the fields of these entries before you
- * call artefact_put_axis_part. */
+/* Writes `count` values of the growing axis from `first` on. Write the fields of these entries
+ * first. All fields on the axis grow before the axis itself, so that every field has as many
+ * entries as a reader finds on the axis. */
 ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first, size_t count,
                                   const double *values, ehd_error *error);
 
@@ -183,10 +177,10 @@ ehd_status artefact_flush(artefact *file, ehd_error *error);
  * power cut. EHD_IO. */
 ehd_status artefact_sync(artefact *file, ehd_error *error);
 /* Copies a file with a growing axis to PATH.saved; does nothing for other files. Call it after
- * artefact_flush. The copy is needed because each entry changes HDF5's metadata, and a power cut
- * can leave the metadata inconsistent. artefact_resume then continues from PATH.saved.
- * artefact_begin_streaming makes the first copy. artefact_save makes another copy only after a
- * pause of fifty times the duration of the last copy. If copying fails, the earlier copy stays. */
+ * artefact_flush. Each entry changes HDF5's metadata, and a power cut can leave the metadata
+ * inconsistent; artefact_resume then continues from PATH.saved. artefact_begin_streaming makes the
+ * first copy, artefact_save another copy only after fifty times the duration of the last copy. If
+ * copying fails, the earlier copy stays. */
 void artefact_save(artefact *file);
 
 /* Returns from streaming to ordinary writing, for attributes that are known only at the end.
@@ -201,9 +195,8 @@ ehd_status artefact_end_streaming(artefact *file, ehd_error *error);
  * the file is damaged, or its schema or settings (scene_text_matches) differ. EHD_CANTCREATE: PATH
  * exists and program->force is not set, or another process writes the file.
  *
- * A file with a growing axis is not streaming yet: its datasets may differ in length, because a
- * killed run may have written its last entries to only some of them. Call artefact_cut_axis
- * next. */
+ * A file with a growing axis is not streaming yet: a killed run may have written its last
+ * entries to only some of its datasets. Call artefact_cut_axis next. */
 ehd_status artefact_resume(
     // output:
     artefact **file,

@@ -123,7 +123,6 @@ static void hash_attributes(const artefact *file, char digest[65]) {
 
 // ---- reading
 
-/* Returns the stored digest of a name, or NULL if no digest is stored. */
 static const char *find_digest(const artefact *file, const char *name) {
     const size_t digits = 64, length = strlen(name);
 
@@ -193,7 +192,6 @@ const char *digest_outcome(hid_t file) {
 
 // ---- writing
 
-/* Adds the line of a dataset, if the file has the dataset. */
 static ehd_status list_dataset(FILE *list, artefact *file, const artefact_field *field,
                                ehd_error *error) {
     char digest[65];
@@ -219,8 +217,7 @@ ehd_status put_digests(artefact *file, ehd_error *error) {
     char *text = NULL;
     size_t size = 0;
 
-    // a resumed file may have a digest from an earlier attempt to finish it, which no longer
-    // matches
+    // a resumed file may have a digest from an earlier attempt, which no longer matches
     if (!is_wanted())
         return hdf5_has_attribute(file->id, attribute_name) &&
                        H5Adelete(file->id, attribute_name) < 0

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Declares what only the source files of this folder share. Other folders do not include this
- * header. */
+/* Declares what the source files of this folder share. Other folders do not include this header. */
 #ifndef EHD_ARTEFACT_INTERNAL_H
 #define EHD_ARTEFACT_INTERNAL_H
 
@@ -28,8 +27,7 @@ typedef struct file_dataset {
     own_dataset own;
     int rank;
     hsize_t dims[ARTEFACT_MAX_RANK]; // the first ARTEFACT_MAX_RANK lengths
-    bool checked;                    // the digest has been checked, which happens once, before the
-                                     // first part is read
+    bool checked;                    // the digest has been checked, before the first read
     hid_t held; // id of a dataset on the growing axis that stays open while streaming; 0: not open
 } file_dataset;
 
@@ -38,16 +36,13 @@ struct artefact {
     const artefact_schema *schema;
     char *path;                    // the final name
     char *partial;                 // name of the file while it is written; NULL when reading
-    char *copy;                    // name of the copy that is changed while the file is not open
-                                   // for streaming
+    char *copy;                    // name of the copy that is changed outside of streaming
     bool on_copy;                  // whether the copy is open in place of `partial`
     char *saved;                   // name of the copy that artefact_save makes
     double saved_at, save_seconds; // end of the last artefact_save and its duration, s
-    char *history_line; // line that a run with --resume adds to the history of the file when it
-                        // finishes the file; NULL: the file is not resumed
-    char *digests;      // content_sha256 of a file being read; NULL: the content is not checked
-    int64_t *outcomes;  // [length of outcome_axis] the field `status`; NULL: the file has no such
-                        // field
+    char *history_line;            // line that a resumed run adds to the history; NULL: not resumed
+    char *digests;     // content_sha256 of a file being read; NULL: the content is not checked
+    int64_t *outcomes; // [length of outcome_axis] the field `status`; NULL: no such field
     const char *outcome_axis;
     file_dataset *datasets; // axes of the schema, then its fields; ends with {0}
     file_dataset *fields;   // first field in `datasets`
@@ -90,28 +85,25 @@ void hdf5_note_failure(void);
 void hdf5_release(hid_t id);
 
 /* Report a failed write or read. Call these functions right after the failed call.
- * hdf5_write_failed marks the file as failed. It returns EHD_IO. If the file is resumed and there
- * is no system error, it returns EHD_DATA, because the file is then damaged. hdf5_read_failed
- * returns EHD_IO for a system error, else EHD_DATA. */
+ * hdf5_write_failed marks the file as failed. It returns EHD_IO, or EHD_DATA for a resumed file
+ * without a system error, because the file is then damaged. hdf5_read_failed returns EHD_IO for a
+ * system error, else EHD_DATA. */
 ehd_status hdf5_write_failed(artefact *file, const char *object, ehd_error *error);
 ehd_status hdf5_read_failed(const artefact *file, const char *object, ehd_error *error);
 
 /* Opens an existing file, with `flags` as for H5Fopen. `clear_flags` is for a file that no other
- * process writes. It clears the marks that a killed writer left in the superblock. It also accepts
- * data behind the end of file that the superblock states, as h5clear does. Returns a negative
- * number on failure. */
+ * process writes. As h5clear does, it clears the marks of a killed writer in the superblock and
+ * accepts data behind the end of file that the superblock states. Negative on failure. */
 hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags);
 enum { HDF5_PAGE_BYTES = 4096 };
 hid_t hdf5_create(const char *path);
 
-/* Writes a scalar attribute of an object and replaces an attribute of the same name. Returns true
- * when written. */
+/* Writes or replaces a scalar attribute of an object. Returns true when written. */
 bool hdf5_put_attribute(hid_t object, const char *name, hid_t type, const void *value);
 /* Writes a text of up to 65 kB: fixed length, UTF-8, NUL at the end. */
 bool hdf5_put_string(hid_t object, const char *name, const char *text);
 
-/* Writes a text of any length at the root. A long text is split into attributes NAME, NAME_2,
- * NAME_3, … */
+/* Writes a text at the root. A long text is split into attributes NAME, NAME_2, NAME_3, … */
 bool hdf5_put_text(hid_t root, const char *name, const char *text);
 
 /* Returns a string attribute of fixed or variable length; free(). Returns NULL if the attribute is
@@ -142,8 +134,7 @@ ehd_status hdf5_refuse(const char *path, const char *name, const char *found, eh
 // ---- values.c
 
 const char *values_text(artefact_values values); // for the schema pages; "": all values are allowed
-/* Checks whether a range also restricts the order of the numbers, so that all must be checked
- * together. */
+/* Checks whether a range restricts the order of the numbers, so that all are checked together. */
 bool values_have_order(artefact_values values);
 /* Check one number of an attribute. EHD_DATA: it is outside the range. */
 ehd_status check_real(const artefact *file, const char *name, artefact_values values, double found,
@@ -192,8 +183,7 @@ ehd_status check_digest(const artefact *file, const char *name, const char *dige
                         ehd_error *error);
 ehd_status check_content(const artefact *file, const artefact_field *field, const void *numbers,
                          ehd_error *error);
-/* Reads the digests of a file, then compares the attributes and the list of datasets with these
- * digests. */
+/* Reads the digests of a file, and checks its attributes and its list of datasets. */
 ehd_status learn_digests(artefact *file, ehd_error *error);
 /* Writes the digests of a file that is about to get its final name. */
 ehd_status put_digests(artefact *file, ehd_error *error);
@@ -245,8 +235,7 @@ bool has_begun(const artefact *file);
 ehd_status use_copy(artefact *file, ehd_error *error);
 ehd_status keep_copy(artefact *file, ehd_error *error);
 void drop_copy(artefact *file);
-/* Returns the name of the file to which the writer writes: the name of the copy, or
- * PATH.partial. */
+/* Returns the name of the file that is being written: the copy, or PATH.partial. */
 const char *written_name(const artefact *file);
 /* Waits until the written file is on disk; EHD_IO. */
 ehd_status sync_file(const artefact *file, ehd_error *error);
@@ -265,7 +254,6 @@ ehd_status give_final_name(artefact *file, ehd_error *error);
 
 // ---- artefact.c
 
-/* Functions for reading, writing and resuming. */
 artefact *artefact_new(const char *path);
 void artefact_delete(artefact *file); // closes the HDF5 file without error checks; accepts NULL
 /* Sets the schema of a file. Returns false if there is no memory. */
@@ -283,13 +271,10 @@ bool field_exists(const artefact *file, const artefact_field *field);
  * open internally, because every entry is written to all these datasets. Negative on failure. */
 hid_t open_dataset(artefact *file, const char *name);
 
-/* Returns the length of a dataset along its first axis. */
+/* Get or change the length along the first axis. extend_dataset only makes a dataset longer. */
 size_t dataset_length(hid_t dataset);
-/* Checks whether a dataset can grow along its first axis. */
 bool is_extendible(hid_t dataset);
-/* Makes a dataset on the growing axis longer or shorter. */
 bool set_dataset_length(hid_t dataset, size_t length);
-/* Makes a dataset at least `length` entries long. */
 bool extend_dataset(hid_t dataset, size_t length);
 
 /* Reads `count` entries along the first axis (WHOLE_FIELD: all of them) into `data`, which has room
@@ -311,8 +296,7 @@ ehd_status check_readable(const char *path, ehd_error *error);
 /* Recognises the schema and version of an open HDF5 file, checks attributes and fields, and learns
  * the axis lengths. */
 ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_error *error);
-/* Returns the name of the axis whose scale has unlimited length. Returns NULL if there is no such
- * axis. */
+/* Returns the name of the axis whose scale has unlimited length, or NULL. */
 const char *find_growing(const artefact *file);
 /* Reads all of a field in slices, and checks its numbers. */
 ehd_status read_field(artefact *file, const artefact_field *field,

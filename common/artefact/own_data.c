@@ -6,8 +6,7 @@
 
 #include <string.h>
 
-/* Returns the kind of a link as text; NULL for a hard link, which leads to an object of this
- * file. */
+/* Returns the kind of a link as text; NULL for a hard link, which stays in this file. */
 static const char *other_link(H5L_type_t type) {
     switch (type) {
     case H5L_TYPE_HARD:
@@ -21,9 +20,8 @@ static const char *other_link(H5L_type_t type) {
     }
 }
 
-/* Finds the first link of a path such as "group/dataset" that is not hard, and returns the kind of
- * this link as text. Returns NULL if all links are hard. Checks each link before it follows the
- * link. *address: address of the object at the end of the path. */
+/* Returns the kind of the first link in a path such as "group/dataset" that is not hard, or NULL.
+ * Checks each link before it follows the link. *address: the object at the end of the path. */
 static const char *other_step(haddr_t *address, hid_t root, const char *path) {
     char step[512];
     const char *found = NULL;

@@ -13,8 +13,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Checks whether the open file still has this name; another writer may have given the name to
- * another file. */
+/* Checks whether the open file still has this name; another writer may have taken the name. */
 static bool has_name(int descriptor, const char *name) {
     struct stat opened, named;
     return fstat(descriptor, &opened) == 0 && stat(name, &named) == 0 &&
@@ -64,7 +63,6 @@ const char *written_name(const artefact *file) {
     return file->on_copy ? file->copy : file->partial;
 }
 
-/* Copies all bytes of a file into an empty file. */
 static bool copy_bytes(int to, int from) {
     enum { AT_ONCE = 1 << 24 };
     off_t place = 0;
@@ -155,8 +153,7 @@ ehd_status keep_copy(artefact *file, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Files that --resume continues. An entry of at least `min` in the dataset means that something is
- * finished. */
+/* Files that --resume continues. An entry of at least `min` in the dataset is finished work. */
 static const struct {
     const artefact_schema *schema;
     const char *dataset;
@@ -209,8 +206,7 @@ static bool has_entry(hid_t file, const char *name, int64_t min) {
 /* Returns a text on what an interrupted run has finished in a file; NULL: nothing. */
 static const char *find_finished(const char *path) {
     const char *finished = NULL;
-    // if a killed writer left its mark, HDF5 opens the file only in the mode for reading beside a
-    // writer
+    // after a killed writer HDF5 opens a file only in the mode for reading beside a writer
     const hid_t partial = hdf5_open(path, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, true);
     char *kind = partial >= 0 ? hdf5_get_string(partial, "schema_name") : NULL;
 

@@ -129,7 +129,6 @@ enum {
         REAL(prefix "viscosity_rise_half", "1", NEED_OPTIONAL, VALUES_KNOWN,                       \
              "the first at half the Hertz pressure", axis)
 
-// fields of shear thinning
 #define THINNING_FIELD(prefix)                                                                     \
     REAL(                                                                                          \
         prefix "thinning", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,                                \

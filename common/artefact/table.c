@@ -17,7 +17,7 @@ static ehd_status status_of(const hdf5_reason *reason) {
     return reason->system ? EHD_IO : EHD_DATA;
 }
 
-/* Returns the number of entries of a dataset of numbers along one axis; negative for other
+/* Returns the number of entries of a dataset of numbers along one axis; negative: other
  * datasets. */
 static hssize_t count_entries(hid_t dataset) {
     const hid_t type = H5Dget_type(dataset), space = H5Dget_space(dataset);
@@ -62,7 +62,6 @@ static const char *find_name(hid_t file, const char *const *names) {
     return *names ? *names : "";
 }
 
-/* Reports a missing column and lists the names at the root of the file. */
 static ehd_status fail_missing(const table_column *column, hid_t file, const char *path,
                                ehd_error *error) {
     char shown[SHOWN_TEXT], names[LISTED_NAMES][SHOWN_TEXT], all[NAMES_TEXT];

@@ -60,7 +60,6 @@ ehd_status artefact_create(artefact **file, const char *path, const artefact_sch
 
 // ---- axes and fields
 
-/* Returns the number of entries of the first axis in a chunk. */
 static hsize_t entries_of_chunk(hsize_t length, hsize_t entry_bytes, int rank, layout kind) {
     const hsize_t bytes = kind == LAYOUT_PLAIN ? CHUNK_MIN_BYTES : CHUNK_PAGE_BYTES;
     if (kind == LAYOUT_APART || (kind == LAYOUT_GROWING && rank > 1)) return 1;
@@ -68,8 +67,7 @@ static hsize_t entries_of_chunk(hsize_t length, hsize_t entry_bytes, int rank, l
     return kind == LAYOUT_GROWING || entries < length ? entries : length;
 }
 
-/* Chooses how many entries of the first axis a chunk has. Divides an entry that is too large for
- * one chunk. */
+/* Chooses the shape of a chunk. Divides an entry that is too large for one chunk. */
 static void choose_chunks(hsize_t *chunk, const hsize_t *dims, int rank, layout kind) {
     hsize_t entry = 8;
     for (int i = 1; i < rank; i++)
@@ -88,8 +86,7 @@ static void choose_chunks(hsize_t *chunk, const hsize_t *dims, int rank, layout 
     }
 }
 
-/* Sets the properties of a dataset. Setting a property takes memory. Returns false if a property
- * cannot be set, because the file would then have another layout. */
+/* Returns false if there is no memory for a property: the file would then have another layout. */
 static bool set_properties(hid_t properties, bool integer, const hsize_t *chunk, int rank,
                            bool early) {
     const double no_real = NAN;

@@ -173,9 +173,8 @@ static bool is_known(size_t column, const case_row *row) {
                                                       : !isnan(real_of(row, column));
 }
 
-/* Checks whether the table has a column. The table has an optional column if some row has a value
- * for the column. Columns with the prefix line_ are only for line contacts, columns with the prefix
- * point_ only for the other kinds. */
+/* Checks whether the table has a column: an optional column needs a row with a value. The prefix
+ * line_ is only for line contacts, the prefix point_ only for the other kinds. */
 static bool applies(const case_table *self, size_t column, const contact_kind *kind) {
     const char *other = kind->dimensions > 1 ? "line_" : "point_";
 
@@ -323,7 +322,6 @@ static ehd_status put_text(case_table *self, const char *text, size_t length, eh
                : failed_mark(self, error);
 }
 
-/* Checks whether a table has anything after its header. */
 static bool has_rows(const case_table *self) {
     FILE *stream = fopen(self->out.partial, "r");
     int character = 0;
@@ -363,8 +361,7 @@ static ehd_status measure_done(case_table *self, size_t most, size_t *bytes, ehd
                                                     : open_done(self, error);
 }
 
-/* Computes the SHA-256 of the first `bytes` of a file. Returns false if the file is shorter or
- * cannot be read. */
+/* Computes the SHA-256 of the first `bytes` of a file. Returns false on failure. */
 static bool hash_file(struct sha256_ctx *hash, const char *path, size_t bytes) {
     FILE *stream = fopen(path, "r");
     uint8_t block[4096];
@@ -420,7 +417,6 @@ static ehd_status take_marked(case_table *self, size_t *kept, size_t *bytes, con
                                                 : not_resumable(self, "damaged rows", error);
 }
 
-/* Returns EHD_CANTCREATE, because an interrupted run left rows. */
 static ehd_status refuse_rows(case_table *self, ehd_error *error) {
     size_t bytes;
     const ehd_status status = measure_done(self, SIZE_MAX, &bytes, error);
@@ -513,7 +509,6 @@ static ehd_status put_csv(case_table *self, const case_row *rows, const case_tex
 
 // ---- HDF5
 
-/* Creates the file with everything that is known before the first row. */
 static ehd_status create_hdf5(case_table *self, const contact_kind *kind, const ehd_grid *grid,
                               const char *settings_text, const char *const *inputs,
                               ehd_error *error) {

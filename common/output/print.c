@@ -11,8 +11,7 @@
 
 enum { SLICE_NUMBERS = 1 << 20 }; // numbers read at a time, 8 MB
 
-/* Column of the output: a name from the command line, or an axis that is printed before these
- * names. */
+/* Column of the output: a name from the command line, or an axis printed before these names. */
 typedef struct column {
     const char *name;
     const artefact_field *field; // NULL: an axis or an attribute
@@ -156,8 +155,7 @@ static bool fits(const column *one, const entries *all) {
     return same;
 }
 
-/* Finds the entries to print: they have the axes of the column with the most axes. Checks that all
- * columns fit. */
+/* Finds the entries, which have the axes of the column with the most axes. Checks all columns. */
 static ehd_status find_entries(entries *all, const artefact *file, const column *columns,
                                size_t num_columns, ehd_error *error) {
     const column *first = columns;
@@ -232,7 +230,6 @@ static ehd_status show_attribute(column *one, artefact *file, ehd_error *error) 
     return one->text ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 }
 
-/* Reads scale and units of each column. */
 static ehd_status find_units(column *columns, size_t num_columns, artefact *file,
                              const entries *all, ehd_error *error) {
     ehd_status status = si_units_check(file, error);
@@ -310,14 +307,12 @@ static void print_gap(const entries *all, const size_t index[ARTEFACT_MAX_RANK],
         fputc('\n', stream);
 }
 
-/* Returns the factor to SI units for an entry. */
 static double factor_at(const column *one, const entries *all,
                         const size_t index[ARTEFACT_MAX_RANK]) {
     return si_units_at(&one->si, one->frame_axis < all->rank ? index[one->frame_axis] : 0);
 }
 
-/* Prints one value. `place` is the position of the entry in the slice of a field; `index` is its
- * position along each axis. */
+/* Prints one value. `place`: entry in the slice of a field; `index`: place along each axis. */
 static void print_value(const column *one, const entries *all, size_t place,
                         const size_t index[ARTEFACT_MAX_RANK], FILE *stream) {
     if (one->text) {

@@ -183,8 +183,7 @@ static void print_value(const char *name, double value, double scale, const char
         printf("%-24s%.8g\n", name, value);
 }
 
-/* Adds one source of error to the line. NaN: prints nothing. Infinite: prints `lack`, the reason
- * why there is no estimate. */
+/* Adds one source of error to the line; nothing for NaN. Infinite: prints the reason `lack`. */
 static void print_part(const char **separator, const char *name, double part, const char *lack) {
     if (isnan(part)) return;
     printf("%s%s ", *separator, name);
@@ -208,8 +207,7 @@ static void print_parts(const char *head, double model, double step, double inle
     putchar('\n');
 }
 
-/* Prints a line with the error estimates of other quantities. `with_friction`: the result has
- * friction. */
+/* Prints a line with the error estimates of other quantities. */
 static void print_indicated(const double *indicated, bool with_friction) {
     const char *separator = "";
     bool any = false;
@@ -228,7 +226,6 @@ static void print_indicated(const double *indicated, bool with_friction) {
     putchar('\n');
 }
 
-/* Prints a line on shear heating in the inlet, if the scene has the data. */
 static void print_heating(const ehd_contact *contact) {
     const inlet_heating heating = inlet_heating_of(contact);
 

@@ -33,15 +33,14 @@ typedef struct run_result {
     double load;          // relative to the reference
     size_t newton_iterations;
     double residual;
-    double indicated_deviation;         // error estimate of the central film, relative; NaN: none
+    double indicated_deviation;         // relative error estimate of the central film; NaN: none
     double indicated_deviation_minimum; // error estimate of the minimum film
-    const double *indicated;            // [NUM_INDICATED] error estimates of other quantities, or
-                                        // NaN; NULL: no estimates
-    const film_effects *effects;        // estimated errors due to the grid; NULL: unknown
-    result_model solved_by;             // SOLVED_BY_ANY: the model is not stored
-    ehd_status status;                  // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
-    char reason[RESULT_REASON];         // why the status is not EHD_OK, or ""
-    double seconds;                     // time of the solution, without reading and writing
+    const double *indicated;     // [NUM_INDICATED] error estimates of other quantities; NULL: none
+    const film_effects *effects; // estimated errors due to the grid; NULL: unknown
+    result_model solved_by;      // SOLVED_BY_ANY: the model is not stored
+    ehd_status status;           // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
+    char reason[RESULT_REASON];  // why the status is not EHD_OK, or ""
+    double seconds;              // time of the solution, without reading and writing
     double seconds_rows, seconds_linear, seconds_exit; // parts of `seconds`; NaN: not measured
 } run_result;
 

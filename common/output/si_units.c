@@ -12,8 +12,7 @@ static const artefact_field *find_field(const artefact *file, const char *name) 
     return NULL;
 }
 
-/* Finds the units of a name in the schema. Returns the scale that converts its numbers to SI units,
- * or NULL. */
+/* Finds the units of a name in the schema. Returns the scale to SI units, or NULL. */
 static const artefact_scale *look_up(const char **units, const artefact *file, const char *name) {
     const artefact_schema *kind = artefact_kind(file);
     const artefact_field *field = find_field(file, name);

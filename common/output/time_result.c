@@ -199,8 +199,7 @@ ehd_status time_result_append(artefact *file, const ehd_grid *grid, const time_e
 
 // ---- restart slots
 
-/* Reads for each slot the number of entries after which a run resumes from this slot. A slot is
- * invalid if a kill damaged this number. */
+/* Reads the number of entries of each slot, for a resumption. A kill may leave a slot invalid. */
 static ehd_status get_slots(int64_t num_entries[NUM_SLOTS], artefact *file, ehd_error *error) {
     ehd_status status = EHD_OK;
 
@@ -365,8 +364,7 @@ static ehd_status get_time(time_series *series, artefact *file, ehd_error *error
     return status;
 }
 
-/* Reads one number of a field for each time. The field has `each` numbers per time, of which number
- * `place` is read. The result is NaN if the file lacks the field. */
+/* Reads number `place` of the `each` numbers that a field has per time; NaN: no such field. */
 static ehd_status get_real(double *values, size_t num_times, artefact *file, const char *name,
                            size_t each, size_t place, ehd_error *error) {
     for (size_t t = 0; t < num_times; t++)

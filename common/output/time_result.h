@@ -35,8 +35,7 @@ typedef struct time_entry {
     double effect, effect_minimum;       // effect of the time steps on the films, as in march_step
     double indicated, indicated_minimum; // error estimates of the films, as in march_step
     contact_traction traction;           // in the reference frame; unknown without traction
-    const ehd_contact *frame;            // contact in the frame of the fields; NULL: without
-                                         // traction
+    const ehd_contact *frame;            // contact in the frame of the fields; NULL: no traction
     const double *pressure; // [num_nodes] in the current frame, NULL: no field at this time
     const double *film;     // [num_nodes] in the current frame, NULL: no field at this time
 } time_entry;

@@ -153,8 +153,7 @@ static ehd_status write_waiting(runner *self, ehd_error *error) {
     return status;
 }
 
-/* Writes an entry with fields at once, because the next step overwrites the fields. Other entries
- * wait and are written together. */
+/* Writes an entry with fields at once, because the next step overwrites the fields. */
 static ehd_status write_entry(runner *self, const time_entry *entry, double now, ehd_error *error) {
     self->waiting[self->num_waiting++] = *entry;
     if (!entry->pressure && self->num_waiting < MAX_WAITING && now - self->last_write < WRITE_PAUSE)
@@ -162,7 +161,6 @@ static ehd_status write_entry(runner *self, const time_entry *entry, double now,
     return write_waiting(self, error);
 }
 
-/* Stores a checkpoint after all entries so far. */
 static ehd_status checkpoint(runner *self, double now, ehd_error *error) {
     const march_solver *solver = &self->march.solver;
     const run_totals totals = totals_at(self, now);
@@ -355,8 +353,7 @@ static void report_shortfall(const runner *self, ehd_status outcome) {
                self->march.untrusted);
 }
 
-/* Returns the root mean square over time of the time steps' effect on the central film, or NaN if
- * it is not known. */
+/* Returns the time steps' effect on the central film, root mean square over time; NaN: unknown. */
 static double mean_effect(const run_totals *totals, const march_state *state) {
     return state->time > 0 ? sqrt(totals->effect_squares / state->time) : NAN;
 }

@@ -93,8 +93,7 @@ static void release(images *self) {
     }
 }
 
-/* Reads the fields of a time in SI units. *any is true if the time has fields. A field that was not
- * written is NaN at all nodes. */
+/* Reads the fields of a time in SI units. *any: the time has fields. Fields not written are NaN. */
 static ehd_status read_time(bool *any, images *self, size_t time, ehd_error *error) {
     const size_t count = self->num_x * self->num_lines;
     ehd_status status = EHD_OK;
@@ -215,8 +214,7 @@ static void print_quoted(const char *text, FILE *stream) {
     }
 }
 
-/* Returns the path of an image in the folder of the collection `path`, which ends with ".pvd". Free
- * the result with free(). */
+/* Returns the path of an image in the folder of the collection `path`. Free with free(). */
 static char *image_path(const char *path, size_t number) {
     char *name = NULL;
     const int base = (int)(strlen(path) - strlen(".pvd"));
@@ -261,8 +259,7 @@ static ehd_status put_entries(images *self, FILE *collection, ehd_error *error) 
     return status;
 }
 
-/* Writes each image before its entry in the collection, so that a collection never names a missing
- * image. */
+/* Writes each image before its entry, so that a collection never names a missing image. */
 static ehd_status put_series(images *self, ehd_error *error) {
     output_file out;
     ehd_status status = output_file_create(&out, self->caller->output, self->caller->force, error);

@@ -82,8 +82,7 @@ const contact_kind contact_line = {
 
 // ---- ellipse, and the point contact with b/a = 1 (README.md, Elliptical contacts)
 
-/* Returns the integral of 1/r over a rectangle from the origin to a corner: a asinh(b/a) + b
- * asinh(a/b). */
+/* Returns the integral of 1/r over the rectangle [0, a] x [0, b]: a asinh(b/a) + b asinh(a/b). */
 static double point_primitive(double a, double b) {
     if (a == 0 || b == 0) return 0;
     return a * asinh(b / fabs(a)) + b * asinh(a / fabs(b));
@@ -95,8 +94,7 @@ static double point_primitive(double a, double b) {
  * kernel_is_the_integral_over_a_cell). */
 static const double FAR_CELL = 40;
 
-/* Returns the integral of 1/r over a distant square cell, by a multipole expansion up to the fourth
- * moments of the cell. */
+/* Returns the integral of 1/r over a distant square cell, by its moments up to the fourth. */
 static double far_cell(double x, double y, double step) {
     double square = x * x + y * y, cell = step * step, small = cell / square;
     double fourth = (105 * (x * x * x * x + y * y * y * y) / (square * square) - 72) / 1920 +
@@ -150,8 +148,7 @@ static double point_alpha_p_H(const contact_shape *shape, double moes_M, double 
            (shape->ellipticity * cbrt(compliance * compliance));
 }
 
-/* Returns 0: the kernel of a point contact decays to zero, so the approach is measured from
- * infinity. */
+/* Returns 0, because the approach is measured from infinity, where the kernel is zero. */
 static double point_approach_shift(double half_width, double length) {
     (void)half_width;
     (void)length;
@@ -538,8 +535,7 @@ static ehd_status check_heating(const ehd_contact *contact, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Returns the shape of an ellipse from its radii or ellipticity, and shape_round for other
- * kinds. */
+/* Returns the shape of an ellipse from its radii or ellipticity, else shape_round. */
 static contact_shape shape_given(const contact_settings *given) {
     if (given->kind != &contact_ellipse) return shape_round;
     return shape_of(isnan(given->radius_across)

@@ -13,8 +13,7 @@
 #include <stddef.h>
 
 /* Constants and functions that differ between line, point and elliptical contacts (README.md, kinds
- * of contact). A function that depends on the shape of the contact has the shape as its first
- * argument. */
+ * of contact). */
 typedef struct contact_kind {
     const char *name; // "line"
     int dimensions;   // dimensions of the pressurised zone: 1 or 2
@@ -31,9 +30,8 @@ typedef struct contact_kind {
     double (*central_film)(const contact_shape *shape, double moes_M, double moes_L);
     // gap of the dry contact on Y = 0, |x| >= 1
     double (*dry_gap)(const contact_shape *shape, double x);
-    // Change of the rigid approach per unit of (int P)/load. `half_width` is the current half width
-    // over the reference half width. The approach is measured at a distance of `length` reference
-    // half widths.
+    // Change of the rigid approach per unit of (int P)/load. `half_width` and `length`, the
+    // distance at which the approach is measured, are in reference half widths.
     double (*approach_shift)(double half_width, double length);
     // Moes number M. The load number is w/(E' R) for a line contact and w/(E' R^2) for a point
     // contact. The speed number is eta0 2 u_m/(E' R)
@@ -58,8 +56,7 @@ typedef enum ehd_discretization {
 
 /* Returns the name of a discretisation in scenes and files. */
 const char *discretization_name(ehd_discretization discretization);
-/* Checks that a discretisation can be used in a transient run. Returns EHD_DATA for the
- * discretisation with cross fluxes, otherwise EHD_OK. */
+/* Returns EHD_DATA for cross fluxes, which cannot be used in a transient run. */
 ehd_status discretization_check_in_time(ehd_discretization discretization, ehd_error *error);
 /* Finds a discretisation by its name. Returns false if there is none. */
 bool discretization_find(ehd_discretization *discretization, const char *name);
@@ -75,12 +72,10 @@ const char *boundary_name(ehd_boundary boundary);
 /* Finds a boundary by its name. Returns false if there is none. */
 bool boundary_find(ehd_boundary *boundary, const char *name);
 
-/* Method by which a transient solution carries its film through the contact
- * (common/time/README.md). */
+/* How a transient solution carries its film through the contact (common/time/README.md). */
 typedef enum ehd_transport {
-    TRANSPORT_UPWIND, // the entrainment term of the Reynolds equation carries the film, at fixed
-                      // nodes
-    TRANSPORT_PATH    // the film is carried along the path of the fluid
+    TRANSPORT_UPWIND, // by the entrainment term of the Reynolds equation, at fixed nodes
+    TRANSPORT_PATH    // along the path of the fluid
 } ehd_transport;
 
 /* Returns the name of a transport in scenes. */
@@ -88,17 +83,14 @@ const char *transport_name(ehd_transport transport);
 /* Finds a transport by its name. Returns false if there is none. */
 bool transport_find(ehd_transport *transport, const char *name);
 
-/* The method by which the transient solutions of a model's training carry their films through the
- * contact. A reduced model uses the same method. */
+/* Transport in the transient solutions of a model's training, which a reduced model uses too. */
 typedef struct ehd_carriage {
     ehd_transport transport;
-    double smoothing; // filter length for TRANSPORT_PATH (transient.smoothing), half widths; NaN:
-                      // there is no filter, or its length is not known
+    double smoothing; // filter length (transient.smoothing), half widths; NaN: none or unknown
 } ehd_carriage;
 
-/* Checks that `found` and `expected` agree. If they do not, returns EHD_DATA with a text that
- * contains both. A NaN smoothing agrees with any value. `found_in` is the file of `found`, or
- * NULL. */
+/* Returns EHD_DATA if `found` and `expected` differ. A NaN smoothing agrees with any value.
+ * `found_in` is the file of `found`, or NULL. */
 ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
                           const ehd_carriage *expected, const char *expected_in, ehd_error *error);
 
@@ -152,13 +144,12 @@ double grid_gap(const ehd_grid *grid, size_t node);
 /* Returns the undeformed gap, which is (X^2 + Y^2)/2 for a circular contact. */
 double contact_gap(const contact_shape *shape, double x, double y);
 
-/* Return X^2 + Y^2 of a node, and whether the node lies within the dry contact (X^2 + Y^2 <=
- * 1). */
+/* Return r^2 = X^2 + Y^2 of a node, and whether the node lies within the dry contact (r^2 <= 1). */
 double grid_square_distance(const ehd_grid *grid, size_t node);
 bool grid_is_dry(const ehd_grid *grid, size_t node);
-/* Returns the fraction of a node's cell that lies within the dry contact. The edge of the dry
- * contact is taken as straight and perpendicular to the radius. A sum over the nodes, weighted by
- * these fractions, is an integral over the dry contact, accurate to second order in the step. */
+/* Returns the fraction of a node's cell that lies within the dry contact, whose edge is taken as
+ * straight and perpendicular to the radius. A sum weighted by these fractions is an integral over
+ * the dry contact, accurate to second order in the step. */
 double grid_dry_share(const ehd_grid *grid, size_t node);
 
 /* Return the number of nodes on a line, the number of lines, and the number of boundary lines
@@ -244,12 +235,9 @@ typedef struct ehd_contact {
     inlet_tail tail;    // inlet upstream of the grid of a line contact; zero: no such inlet
     contact_closure closure;
     ehd_transport transport; // transport of films in time
-    double smoothing;        // filter length, half widths, for transport along the path; NaN:
-                             // default
-    double time_tolerance;   // error tolerance of the time steps, for the default smoothing; NaN:
-                             // unknown
-    // distance at which the approach is measured, in reference half widths; 1: as in eq. 4 of Maier
-    // et al.
+    double smoothing;        // filter length for TRANSPORT_PATH, half widths; NaN: default
+    double time_tolerance;   // tolerance of the time steps, for the default smoothing; NaN: unknown
+    // distance at which the approach is measured, reference half widths; 1: eq. 4 of Maier et al.
     double approach_length;
     double hertz_pressure; // Pa
     double moes_M, moes_L; // dimensionless
@@ -261,8 +249,7 @@ typedef struct ehd_contact {
     double modulus;        // Pa, E', NaN unless the scene is physical
     double viscosity;      // Pa s, at zero pressure, NaN unless the scene is physical
     double slide_roll;     // (u1 - u2)/speed, NaN: no traction
-    // in a transient contact: waviness, dent or heights of one surface (common/time/surface.h);
-    // NULL: both are smooth
+    // waviness, dent or heights of one surface (common/time/surface.h); NULL: both are smooth
     const struct ehd_surface *surface;
 } ehd_contact;
 
@@ -329,12 +316,11 @@ ehd_status contact_init(
 /* Returns the L that belongs to M and the Hertz pressure, also if the scene gives that pressure. */
 double contact_moes_L(const ehd_contact *contact);
 
-/* Sets M and L of a contact, as continuation does step by step. Lambda and the Hertz pressure
- * follow from M and L (README.md, Moes numbers). The lubricant and the grid stay the same. */
+/* Sets M and L, and from them lambda and the Hertz pressure (README.md, Moes numbers). The
+ * lubricant and the grid stay the same. */
 void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L);
 
-/* Checks whether the scene leaves out an end or the step of the grid, so that the program chooses
- * the value. */
+/* Checks whether the scene leaves an end or the step of the grid to the program. */
 bool contact_has_chosen_grid(const ehd_contact *contact);
 
 /* Replaces the grid, for example by the grid of a model, if the scene leaves the grid open and does
@@ -342,25 +328,19 @@ bool contact_has_chosen_grid(const ehd_contact *contact);
  * shape. Both must be half grids, or both full grids. Otherwise the contact keeps its grid. */
 void contact_take_grid(ehd_contact *contact, const ehd_grid *grid);
 
-/* Checks the distance at which a given approach is measured. The deflection of a line contact grows
- * without bound with that distance. If the distance is below a quarter of the pressurised length,
- * the compliance of the contact is not positive. A film squeezed by a given approach would then
- * grow without bound. Returns EHD_DATA if the distance is below half the length of the grid. */
+/* Returns EHD_DATA if a given approach is measured at less than half the length of the grid. Below
+ * a quarter of the pressurised length the compliance of a line contact is not positive, and a film
+ * squeezed by a given approach would grow without bound. */
 ehd_status contact_check_approach(const ehd_contact *contact, ehd_error *error);
 
 /* Returns the closure for a given load: the load balance, eq. 9 of Maier et al. */
 contact_closure contact_load_closure(const contact_kind *kind);
 
-/* Returns the half width across the entrainment in m, b of an ellipse. NaN unless the scene is
- * physical. */
+/* Return the half width across the entrainment in m (b of an ellipse), the film scale a^2/R in m
+ * (physical film: H * scale) and the time scale a/u in s (physical time: T * scale). NaN unless the
+ * scene is physical. */
 double contact_half_width_across(const ehd_contact *contact);
-
-/* Returns the film scale a^2/R in m: physical film = H * film_scale. NaN unless the scene is
- * physical. */
 double contact_film_scale(const ehd_contact *contact);
-
-/* Returns the time scale a/u in s: physical time = T * time_scale. NaN unless the scene is
- * physical. */
 double contact_time_scale(const ehd_contact *contact);
 
 #endif

@@ -23,15 +23,13 @@ enum { LINES = 2 };
 struct ehd_deflection {
     ehd_grid grid;
     size_t length, period;  // lengths of the transforms along and across
-    size_t lines;           // number of different lines of the transform across; on a half grid
-                            // period / 2 + 1
+    size_t lines;           // different lines of the transform across; half grid: period / 2 + 1
     double *kernel;         // [grid lines, grid width]
     double *transfer;       // [lines, length / 2 + 1], transform of the kernel
     double *signal;         // Full grid: [lines, length] the pressure, padded with zeros, then the
                             // deflection. Half grid: [lines, grid width] the pressure transformed
                             // in y, then the transformed deflection
-    fftw_complex *spectrum; // [lines, length / 2 + 1], Fourier transform of `signal`; NULL on a
-                            // half grid
+    fftw_complex *spectrum; // [lines, length / 2 + 1], transform of `signal`; NULL on a half grid
     fftw_plan forward, backward; // on a half grid these are the transforms of one line
     // for a half grid only:
     fftw_plan across;   // transform of one column
@@ -70,8 +68,7 @@ static size_t spectrum_width(const ehd_deflection *self) {
 }
 
 /* Returns how many numbers a mirrored column has with its padding. A work space (work_size) holds
- * COLUMNS such columns and the transform of one column. The same memory also serves for one line
- * and its transform. */
+ * COLUMNS such columns and one transform, or one line and its transform. */
 static size_t column_size(const ehd_deflection *self) {
     return self->period + APART;
 }
@@ -241,8 +238,7 @@ const double *deflection_kernel(const ehd_deflection *self) {
     return self->kernel;
 }
 
-/* A transform in y, from the grid lines of the half domain to the lines of the transform, or back.
- * Both directions use this struct. */
+/* A transform in y, from the lines of the half grid to the lines of the transform, or back. */
 typedef struct across_task {
     ehd_deflection *of;
     const double *from; // [num_from, grid width]
@@ -285,7 +281,6 @@ static void transform_across(ehd_deflection *self, double *to, size_t num_to, co
     team_share(self->threads, grid_width(&self->grid), COLUMNS, transform_columns, &task);
 }
 
-/* Multiplies a spectrum by the transform of the kernel. */
 static void filter(fftw_complex *spectrum, const double *transfer, size_t count) {
     for (size_t k = 0; k < count; k++) {
         spectrum[k][0] *= transfer[k];
@@ -293,8 +288,7 @@ static void filter(fftw_complex *spectrum, const double *transfer, size_t count)
     }
 }
 
-/* Transforms some lines along x, multiplies them by the transform of the kernel, and transforms
- * them back. */
+/* Transforms some lines along x, multiplies them by the kernel's transform, and transforms back. */
 static void convolve_lines(void *context, const team_part *part) {
     const ehd_deflection *self = context;
     const size_t width = grid_width(&self->grid), wide = spectrum_width(self);

@@ -18,8 +18,7 @@ bool exit_is_within_node(const ehd_grid *grid) {
     return grid->inner_lines == 1 && grid->discretization == DISCRETIZATION_ACCURATE;
 }
 
-/* The cubic through four neighbouring nodes, evaluated at a distance in steps from the second
- * node. */
+/* The cubic through four neighbouring nodes, at a distance in steps from the second node. */
 typedef struct cubic {
     double weight[4], slope[4]; // slope: derivatives of the weights
 } cubic;
@@ -31,10 +30,9 @@ static cubic cubic_at(double t) {
                              -(3 * t * t - 2 * t - 2) / 2, (3 * t * t - 1) / 6}};
 }
 
-/* A number, such as the film at the exit, with its derivatives. The number is stored in
- * row.residual, and its derivatives by the pressures and films of a stencil in the other members of
- * `row`. `by_offset` is its derivative by the distance between the exit and the node before it, in
- * steps. */
+/* A number, such as the film at the exit, in row.residual. The other members of `row` are its
+ * derivatives by pressures and films of a stencil. `by_offset` is its derivative by the distance
+ * from the last node before the exit to the exit, in steps. */
 typedef struct quantity {
     reynolds_row row;
     double by_offset;
@@ -75,7 +73,6 @@ static quantity mass_half_way(double offset, const reynolds_stencil *stencil,
     return result;
 }
 
-/* Adds factor * source, with the derivatives. */
 static void add_row(reynolds_row *target, double factor, const reynolds_row *source) {
     target->residual += factor * source->residual;
     for (int a = 0; a < NUM_LINE_STENCIL; a++) {
@@ -127,8 +124,7 @@ void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, dou
     cell->offset_by_flux = 1 / slope;
     cell->flux_residual = cell->offset.residual * slope / step;
 
-    // second equation, by Simpson's rule: int m dP = int U (q - q_exit)/H^3 dx from the node to the
-    // exit
+    // second equation, by Simpson's rule: int m dP = int U (q - q_exit)/H^3 dx up to the exit
     const quantity first = rise_over_cube(&mass_here, &at_exit, &film_here);
     const quantity second = rise_over_cube(&between, &at_exit, &film_between);
     const double length = offset * step * entrainment / 6;

@@ -8,10 +8,8 @@
 /* Limits from which the default grid of a kind of contact follows. H is the isoviscous film. At X =
  * sqrt(2 H) the undeformed gap equals this film. */
 typedef struct grid_rule {
-    double coarsest;     // step, unless the film is thick; finer steps are 1/2, 1/4 ... of this
-                         // step
-    double thick;        // largest step over sqrt(2 H) up to which the step is doubled for thick
-                         // films
+    double coarsest;     // step, unless the film is thick; finer steps are 1/2, 1/4 ... of it
+    double thick;        // largest step over sqrt(2 H) after doubling for thick films
     double around;       // largest step over sqrt(2 H)
     double steps;        // largest step over the width of the inlet, H^(2/3)
     double inlet_effect; // largest effect of the missing inlet on the central film
@@ -142,8 +140,7 @@ static double pressure_effect(const ehd_contact *contact, double film, double al
     return 8. / 11 * grubin_integral(contact, film, length) / all;
 }
 
-/* Returns (2 c/r^2)^2 at r = length, the size of the terms that the far field omits in a gap r^2/2
- * + c. c is `film`. */
+/* Returns (2 film/r^2)^2 at r = length, which the far field omits in a gap r^2/2 + film. */
 static double omitted_terms(double film, double length) {
     const double part = 2 * film / (length * length);
     return part * part;
@@ -186,8 +183,7 @@ static double sides_needed(const grid_rule *rule, double length, const contact_s
     return k > 1 ? fmax(1.5, 1 + (of_circle - 1) / k) : of_circle;
 }
 
-/* Returns the number of whole steps that cover a length. Round-off of up to 1e-6 steps is
- * ignored. */
+/* Returns how many whole steps cover a length. Ignores round-off of up to 1e-6 steps. */
 static double whole_steps(double length, double step) {
     return ceil(length / step - 1e-6);
 }
@@ -198,8 +194,7 @@ static double whole_steps(double length, double step) {
 static double end_needed(const contact_shape *shape, double film, double y_max, double step) {
     const double thick = 0.475 * sqrt(2 * film);
     const double beside = isnan(y_max) ? 0 : shape->ellipticity * y_max / -tan(shape->far.exit);
-    // The exit ray of a circle has an error of 2e-5. The subtraction of 0.01 prevents ceil from
-    // rounding such an error up to a whole half width.
+    // 0.01: ceil must not round an error of the exit ray (2e-5 for a circle) up to a half width
     const double end = fmax(2, ceil(4. / 3 * fmax(thick, beside) - 0.01));
 
     return step * whole_steps(end, step);

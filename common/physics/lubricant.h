@@ -16,8 +16,7 @@
 enum {
     LAW_WORD = 24,           // bytes of a law's name or of a parameter that is a word
     MAX_LAW_PARAMETERS = 16, // most parameters of one law; more do not compile
-    MAX_LAW_KEYS = 32,       // most keys of all laws of a table; lubricant_init refuses a law with
-                             // more
+    MAX_LAW_KEYS = 32,       // most keys of all laws of a table; lubricant_init refuses more
     MAX_LAW_CONSTANTS = 16
 };
 
@@ -30,8 +29,7 @@ typedef enum law_need {
 } law_need;
 
 /* A parameter of a law: a key below lubricant.viscosity, lubricant.density or lubricant.shear. If
- * several laws of a table have the same key, all of them describe it in the same way. Only `need`
- * and the default may differ. */
+ * several laws of a table have the same key, only `need` and the default may differ. */
 typedef struct law_parameter {
     const char *key; // "alpha"
     law_need need;
@@ -87,8 +85,7 @@ extern const lubricant_law *const shear_laws[];
 
 struct ehd_lubricant {
     const lubricant_law *viscosity;
-    const lubricant_law *density; // NULL: the lubricant is incompressible, and no density term is
-                                  // evaluated
+    const lubricant_law *density; // NULL: incompressible, without density terms
     const lubricant_law *shear;
     double viscosity_constants[MAX_LAW_CONSTANTS];
     double density_constants[MAX_LAW_CONSTANTS];
@@ -100,9 +97,8 @@ struct ehd_lubricant {
     double alpha;
     double pressure_limit; // Pa, largest pressure for which the law holds; default: infinite
     double temperature;    // degC; NaN: the law has none
-    // 1/K, -d ln(eta0)/dT at the temperature; NaN: the coefficient is not known
-    double temperature_coefficient;
-    double thermal_conductivity; // W/(m K); NaN: the conductivity is not known
+    double temperature_coefficient; // 1/K, -d ln(eta0)/dT at the temperature; NaN: not known
+    double thermal_conductivity;    // W/(m K); NaN: not known
 };
 
 size_t law_num_parameters(const lubricant_law *law);
@@ -127,8 +123,7 @@ bool laws_require(const lubricant_law *const *laws, const char *key);
 /* Returns the law with this name, or NULL. */
 const lubricant_law *laws_find(const lubricant_law *const *laws, const char *name);
 
-/* Writes the names of the laws that have a key, as "barus|roelands". If the key is NULL, writes the
- * names of all laws. */
+/* Writes the names of the laws that have a key (NULL: of all laws), as "barus|roelands". */
 void laws_list(
     // output:
     char *list, // [size] bytes; a longer text is truncated

@@ -26,7 +26,6 @@ static double minimum_of_five(const double *value) {
     return value[2] + t * (first + t * (second + t * (third + t * fourth)));
 }
 
-/* The film that is interpolated. */
 typedef struct film {
     double (*value)(const void *context, size_t node);
     const void *context;
@@ -49,7 +48,7 @@ static size_t lowest_along(const film *self, size_t node) {
     return node;
 }
 
-/* Returns the minimum along the line around a node; NaN: there is none. */
+/* Returns the minimum along the line around a node, or NaN. */
 static double minimum_along(const film *self, size_t node) {
     double values[5];
 

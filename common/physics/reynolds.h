@@ -55,14 +55,12 @@ typedef struct reynolds_fluid {
     double *log_mobility;   // ln mobility up to a constant; NULL in the published discretisation
     double *density;        // NULL when incompressible
     double *density_slope;
-    // contact whose viscosity law is also evaluated half way between two nodes; NULL: the mean of
-    // both nodes is enough
+    // contact, for viscosities half way between nodes; NULL: the mean of both nodes is enough
     const ehd_contact *between;
     const ehd_contact *thinned; // contact whose flow an Eyring fluid thins; NULL: not thinned
     // rate N of the Eyring fluid (eyring_flow.h) at H = 1 and rho / mobility = 1
     double thinning;
-    // gradient Sigma along the entrainment, at H = 1 and a pressure difference of 1 from node to
-    // node
+    // gradient Sigma along the entrainment at H = 1 and a pressure difference of 1 between nodes
     double gradient_thinning;
     double gradient_across; // gradient across over gradient along, at equal pressure differences
 } reynolds_fluid;
@@ -79,8 +77,7 @@ reynolds_fluid reynolds_fluid_from(const reynolds_fluid *fluid, size_t first_nod
 /* The BDF time derivative of rho H at the nodes of the rows: rate * rho H + previous. */
 typedef struct reynolds_squeeze {
     double rate; // 1 / dimensionless time
-    // [num_rows] weighted sum of rho H at previous time levels, in the current scales of the
-    // contact
+    // [num_rows] weighted sum of rho H at previous time levels, in the current scales
     const double *previous;
 } reynolds_squeeze;
 
@@ -90,8 +87,7 @@ static inline int reynolds_stencil_size(const ehd_grid *grid) {
     return grid->discretization == DISCRETIZATION_CROSS_FLUX ? NUM_STENCIL : NUM_CROSS_STENCIL;
 }
 
-/* Return how many nodes a stencil extends back along the entrainment, and how many nodes it extends
- * ahead and across. */
+/* Return how many nodes a stencil extends back, and how many it extends ahead and across. */
 size_t reynolds_reach_back(const ehd_grid *grid);
 size_t reynolds_reach_ahead(const ehd_grid *grid);
 
@@ -99,8 +95,7 @@ size_t reynolds_reach_ahead(const ehd_grid *grid);
  * half grid the nodes to the left and right are the same. */
 reynolds_stencil reynolds_stencil_at(const ehd_grid *grid, size_t node);
 
-/* Returns the stencil of an inner node for entrainment towards smaller x, the mirror image of
- * reynolds_stencil_at. */
+/* Returns the mirror image of reynolds_stencil_at, for entrainment towards smaller x. */
 reynolds_stencil reynolds_stencil_reversed(const ehd_grid *grid, size_t node);
 
 /* Evaluates the fluid properties at the given pressures. */

@@ -11,8 +11,7 @@ extern const char traction_formula_source[];
 
 typedef struct traction_estimate {
     double coefficient; // friction coefficient, with the sign of the slide-roll ratio
-    double excess;      // dimensionless: viscous stress over the Eyring stress, at the mean
-                        // pressure
+    double excess;      // viscous stress over the Eyring stress, at the mean pressure
 } traction_estimate;
 
 /* Returns the friction coefficient, tau0 asinh(eta u_s/(h tau0)) divided by the pressure. The

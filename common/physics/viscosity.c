@@ -77,7 +77,6 @@ static ehd_status check_temperature(const law_value *values, ehd_error *error) {
     return isnan(values[OIL_ETA0].number) ? lacks_with_temperature("eta0", error) : EHD_OK;
 }
 
-/* Checks that the viscosity at the temperature is in the range of physical.viscosity. */
 static ehd_status check_eta0(const ehd_lubricant *self, ehd_error *error) {
     const double min = 1e-6, max = 1e6; // Bounds of physical.viscosity, Pa s
 

@@ -25,14 +25,12 @@ static bool has_avx2(void) {
 }
 #endif
 
-// Functions of OpenBLAS that take and give back one buffer. OpenBLAS keeps a returned buffer for
-// later calls.
+// Functions of OpenBLAS that take and give back one buffer, which it keeps for later calls.
 void *blas_memory_alloc(int unused);
 void blas_memory_free(void *buffer);
 
 static const size_t BUFFER = (size_t)OPENBLAS_BUFFER_MB << 20;
 
-/* Checks whether this much memory is available now. */
 static bool has_room(size_t bytes) {
     void *room = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (room == MAP_FAILED) return false;

@@ -87,8 +87,7 @@ static void on_signal(int number) {
     interrupted = 1;
 }
 
-/* Returns the bytes of the line "MemAvailable: 123 kB" in /proc/meminfo; infinity if there is
- * none. */
+/* Returns MemAvailable of /proc/meminfo in bytes; infinity if there is no such line. */
 static double free_memory(void) {
     FILE *file = fopen("/proc/meminfo", "r");
     double bytes = INFINITY, kilobytes;
@@ -129,8 +128,7 @@ bool program_interrupted(void) {
 
 static const char *name_of_program; // NULL: program_start was not called
 
-/* Writes the program's name and a text to stderr. It does not use stdio, because a call of stdio
- * may be under way. */
+/* Writes the program's name and a text to stderr, without stdio, which may be in use. */
 static void say(const char *text) {
     if (write(STDERR_FILENO, name_of_program, strlen(name_of_program)) < 0 ||
         write(STDERR_FILENO, text, strlen(text)) < 0)
@@ -149,8 +147,7 @@ static void on_foreign_exit(int code, void *unused) {
     _exit(EHD_MEMORY);
 }
 
-/* Replaces the function that FFTW calls when memory is refused. FFTW's own function prints a line
- * and aborts. */
+/* Replaces FFTW's own function for refused memory, which would print a line and abort. */
 void fftw_assertion_failed(const char *text, int line, const char *file);
 void fftw_assertion_failed(const char *text, int line, const char *file) {
     (void)text, (void)line, (void)file;
@@ -595,8 +592,7 @@ static ehd_status check_arguments(const program *self, const program_mode *mode,
     return EHD_OK;
 }
 
-/* Prints the help of the mode. The help of the mode without a word starts with the usages of all
- * modes. */
+/* Prints the help of the mode, for the mode without a word after the usages of all modes. */
 static void print_help(const program *self, struct argp argp, void (*tail)(void)) {
     char *name = strdup(self->name), *usages = NULL;
     size_t size;

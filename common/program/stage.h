@@ -13,8 +13,7 @@
 #include <stddef.h>
 
 typedef struct stage {
-    const char *names; // names of all stages, from the environment variable; NULL: the program does
-                       // not run in a pipeline
+    const char *names; // names of all stages, from EHDROM_STAGES; NULL: there is no pipeline
     char file[1024];
     size_t number, total; // number is from 1 to total
     double started;       // program_seconds at the start of the stage
@@ -26,13 +25,11 @@ stage stage_here(void);
 /* Stores the duration of the stage for the next run. */
 void stage_end(const stage *self);
 
-/* Goes on to the next stage, if the name of that stage is `last` or ends in "-" and `last`. This
- * function is for a program that runs several stages. */
+/* Goes on to the next stage, if its name is `last` or ends in "-" and `last`. */
 void stage_next(stage *self, const char *last);
 
 /* Stores a lower bound in seconds for all later stages whose name is `last` or ends in "-" and
- * `last`. There is no error if the file cannot be written, because only the display of progress
- * uses the file. */
+ * `last`. A failure is not reported, because only the display of progress uses the file. */
 void stage_expect(const stage *self, const char *last, double seconds);
 
 /* Returns the seconds left in all stages. `left` is the time left in the present stage. If `whole`,

@@ -104,7 +104,6 @@ size_t team_num_parts(size_t count, size_t size) {
     return count / size + (count % size > 0);
 }
 
-/* Does all parts in the calling thread. */
 static void do_alone(const team_work *work) {
     for (size_t i = 0; i < work->num_parts; i++) {
         const bool last = i + 1 == work->num_parts;

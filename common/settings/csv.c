@@ -62,9 +62,8 @@ static csv_state state_after(csv_state state, char next, const char *separators)
     return next == '"' ? IN_QUOTES : strchr(" \t\r", next) ? FIELD_BEGINS : IN_FIELD;
 }
 
-/* Finds the end of the record that begins at `start`. *end becomes the index of the record's line
- * break, or of the end of the text. A quoted field may span several lines; its lines are read as
- * needed. */
+/* Finds the end of the record that begins at `start`: its line break, or the end of the text. Reads
+ * further lines for a quoted field that spans several lines. */
 static ehd_status find_end(size_t *end, csv_file *self, size_t start, const char *separators,
                            ehd_error *error) {
     csv_state state = FIELD_BEGINS;
@@ -133,8 +132,7 @@ static char *unquote(char *field, char separator) {
     return end;
 }
 
-/* Returns the next field of a record, NULL after the last one. *rest moves on to the rest of the
- * record. */
+/* Returns the next field of a record, NULL after the last one. *rest becomes the rest of it. */
 static char *next_field(char **rest, char separator) {
     if (!*rest) return NULL;
     const char stops[] = {separator, '\0'};
@@ -177,8 +175,7 @@ static ehd_status check_once(const csv_file *self, ehd_error *error) {
                       shown, all);
 }
 
-/* Returns the separator: a comma if the header has one outside of quotes, else a semicolon or a
- * tab. */
+/* Returns the separator: a comma if the header has one outside of quotes, else ; or a tab. */
 static char separator_of(const char *header) {
     const char all[] = ",;\t";
     bool has[sizeof all] = {false};
@@ -309,8 +306,7 @@ static int rank_of(const char *name, const char *const *names) {
     return rank;
 }
 
-/* Finds the index of a column in the table. The index is NO_COLUMN if an optional column is
- * missing. */
+/* Finds the index of a column in the table; NO_COLUMN if an optional column is missing. */
 static ehd_status find_column(int *place_of, const csv_file *self, const table_column *column,
                               ehd_error *error) {
     char shown[SHOWN_TEXT], all[NAMES_TEXT];

@@ -23,8 +23,7 @@ static place place_in(const plan_reader *self, const tree_node *node) {
     return (place){self->path, node->line};
 }
 
-/* Checks that a node is a map and that all its keys are in `keys`, which ends with NULL. Returns
- * EHD_DATA otherwise. */
+/* Checks that a node is a map with keys from `keys`, which ends with NULL. EHD_DATA otherwise. */
 static ehd_status check_keys(const plan_reader *self, const tree_node *map, const char *what,
                              const char *const *keys, const char *expected) {
     char shown[SHOWN_TEXT];
@@ -215,7 +214,6 @@ static ehd_status read_times(const plan_reader *self, const tree_node *node, dou
     return status;
 }
 
-/* Narrows bounds to their intersection with further bounds. */
 static void narrow(plan_where *where, const plan_where *further) {
     for (int w = 0; w < NUM_WHERE; w++) {
         where->bounds[w][0] = fmax(where->bounds[w][0], further->bounds[w][0]);

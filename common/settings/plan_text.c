@@ -8,8 +8,7 @@
 
 // ---- writing
 
-/* Prints the settings in which a point differs from the point before. If `before` is NULL, prints
- * all settings that are given. */
+/* Prints the settings in which a point differs from the point before; all if `before` is NULL. */
 static void print_changes(FILE *stream, const scene *now, const scene *before) {
     for (const setting *row = scene_settings(); row->key; row++) {
         const bool given = setting_is_given(row, now);
@@ -60,7 +59,6 @@ ehd_status plan_write_text(plan *of, const char *path, ehd_error *error) {
 
 // ---- reading
 
-/* A plan while its text is read. */
 typedef struct text_reader {
     plan *plan;
     place where; // location of the current line
@@ -70,8 +68,7 @@ typedef struct text_reader {
     ehd_error *error;
 } text_reader;
 
-/* Reads one pair of bounds, ", KEY from LOWEST to HIGHEST". Returns the length of this text, or 0
- * if the text has another form. */
+/* Reads a pair of bounds, ", KEY from LOWEST to HIGHEST". Returns the length read; 0 on failure. */
 static int read_bounds(plan_where *where, const char *text) {
     char key[16];
     double bounds[2];

@@ -44,7 +44,6 @@ static void fill_real(double *value, double default_value) {
     if (isnan(*value)) *value = default_value;
 }
 
-/* Checks whether the grid has several lines of nodes, as for a point contact or an ellipse. */
 static bool has_lines(const scene *of) {
     return *of->contact && strcmp(of->contact, "line") != 0;
 }
@@ -66,8 +65,7 @@ static void fill_boundary(scene *of) {
         snprintf(of->boundary, sizeof of->boundary, "%s", published ? "zero" : "open");
 }
 
-/* Fills in `transport` and the tolerance of the time steps, whose default depends on
- * `transport`. */
+/* Fills in `transport`, and the tolerance of the time steps, which depends on `transport`. */
 static void fill_transient(scene *of) {
     const bool published = strcmp(of->discretization, "published") == 0;
 

@@ -14,8 +14,7 @@ enum { VARY_LOAD, VARY_SPEED, VARY_RADIUS, VARY_MODULUS, VARY_APPROACH, NUM_VARY
 enum { MAX_FACTOR = 1000 };                    // largest magnitude of a factor
 extern const char *const vary_names[NUM_VARY]; // "load", …: the keys of their histories
 
-/* The history of one quantity: a factor on its reference value as a function of T = u_ref t /
- * a_ref. */
+/* The history of one quantity: a factor on its reference value over T = u_ref t / a_ref. */
 typedef struct history_settings {
     char law[16];          // constant, sine, ramp, step, table
     double amplitude;      // dimensionless
@@ -138,8 +137,7 @@ typedef struct setting {
     const char *key; // "lubricant.viscosity.alpha"
     setting_type type;
     size_t offset;             // in scene
-    size_t size;               // size of the string, for SETTING_CHOICE, SETTING_TEXT and
-                               // SETTING_FILE
+    size_t size;               // size of the string, for SETTING_CHOICE, _TEXT and _FILE
     const char *default_value; // default, written as in a scene; NULL: no default
     const char *choices;       // "line" or "barus|roelands|wlf", for SETTING_CHOICE
     double min, max;           // allowed range, both included, for SETTING_REAL and SETTING_WHOLE
@@ -204,9 +202,8 @@ ehd_status scene_set(scene *scene, const char *key, const char *value, const cha
 ehd_status scene_validate(const scene *scene, const char *where, ehd_error *error);
 
 /* Returns, as text, all settings that have a value: one line "key: value" each, in table order. The
- * numbers in the text read back as the same numbers. Equal scenes give equal texts, so the text
- * also identifies a scene. The caller frees the text with free(). Returns NULL if there is no
- * memory. */
+ * numbers read back as the same numbers. Equal scenes give equal texts, so the text also identifies
+ * a scene. Free with free(). Returns NULL if there is no memory. */
 char *scene_text(const scene *scene);
 
 /* Checks whether `kept`, the text of settings in a file, matches `now`, the text of a scene or a

@@ -7,8 +7,7 @@
 
 // ---- groups of keys
 
-/* Numbers of given keys and of all keys of a group, and the missing keys as a list "moes.M,
- * moes.L". */
+/* Numbers of given keys and of all keys of a group, and a list of the missing keys. */
 typedef struct key_count {
     size_t given;
     size_t all;
@@ -58,9 +57,8 @@ static bool has_viscosity_of_law(const scene *of) {
            (lubricant_init(&lubricant, &of->lubricant, NULL) || !isnan(lubricant.eta0));
 }
 
-/* Counts the keys of `physical` that every contact needs. If the speed of one surface is given,
- * the speeds of both surfaces are counted in place of the mean speed. The viscosity is not counted
- * if the law has its own. */
+/* Counts the keys of `physical` that every contact needs. If the speed of one surface is given, the
+ * speeds of both count in place of the mean speed. A viscosity of the law's own does not count. */
 static key_count count_physical(bool *both_speeds, bool viscosity_of_law, const scene *of) {
     static const char *const own[] = {"physical.speed_1", "physical.speed_2"};
     const setting *mean = setting_find("physical.speed");
@@ -143,8 +141,7 @@ static ehd_status check_traction(const scene_source *source, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Checks that the discretization cross-flux is used only for a stationary contact with flow across
- * the entrainment. Line contacts and transient contacts are refused. */
+/* Checks that only a stationary contact with flow across the entrainment uses cross-flux. */
 static ehd_status check_cross_flux(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
     const bool line = strcmp(of->contact, "line") == 0;
@@ -200,7 +197,6 @@ static bool is_missing(const setting *row, const scene *of) {
            !setting_unmet(row, of);
 }
 
-/* Checks that all required keys are given. */
 static ehd_status check_needed(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
     const setting *first = scene_settings();

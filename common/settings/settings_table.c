@@ -253,7 +253,6 @@ static void add_rows(const setting *rows) {
         add_row(rows);
 }
 
-/* Adds rows for the choice of a law and the parameters of all laws. */
 static void add_laws(const law_group *group, bool required, const char *default_value,
                      const char *help) {
     const lubricant_law *const *laws = group->laws;
@@ -311,8 +310,7 @@ static const setting *row_before(const setting *row, const char *key) {
     return NULL;
 }
 
-/* Finds the rows of all conditions once, because each case of a table of cases checks all
- * conditions. */
+/* Finds the rows of all conditions once, for speed: each case of a table checks all conditions. */
 static void find_conditions(void) {
     for (size_t r = 0; r < table.num_rows; r++) {
         const setting *row = &table.rows[r];
@@ -451,8 +449,7 @@ static bool find_similar(char meant[MAX_KEY], const char *key) {
 }
 
 /* Finds the setting or group that an unknown key probably stands for, and copies its name to
- * `meant`. Looks for a synonym, then for a similar spelling, then for the same last part. Returns
- * false if it finds no setting or group. */
+ * `meant`. Returns false if there is none. */
 static bool find_meant(char meant[MAX_KEY], const char *key) {
     const setting *found = same_meaning(key);
     if (strlen(key) >= MAX_KEY) return false;
@@ -786,8 +783,7 @@ static void print_conditions(FILE *stream, const setting *row, const char *befor
     }
 }
 
-/* Checks whether a row is shown. All histories have the same keys, so only the first one is
- * shown. */
+/* Checks whether a row is shown. All histories have the same keys, so only the first is shown. */
 static bool is_shown(const setting *row) {
     return quantity_of(row->key) <= 0;
 }

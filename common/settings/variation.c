@@ -188,15 +188,13 @@ static ehd_status add_range(variation *self, const tree_node *node, const char *
     return read_bounds(range, node, error);
 }
 
-/* Sets the coordinates of corner number `corner` of the unit cube. Each bit of the number is the
- * coordinate, 0 or 1, of one setting. */
+/* Sets corner number `corner` of the unit cube: each bit is the coordinate of one setting. */
 static void set_corner(double *here, size_t num_ranges, size_t corner) {
     for (size_t r = 0; r < num_ranges; r++)
         here[r] = (double)(corner >> r & 1);
 }
 
-/* Fills in points along all edges of the unit cube, axis after axis. Returns the number of these
- * points. */
+/* Fills in points along all edges of the unit cube, axis after axis. Returns their number. */
 static size_t fill_edges(double *places, size_t num_ranges, size_t num_on_edge) {
     size_t count = 0;
     for (size_t axis = 0; axis < num_ranges; axis++)
@@ -211,14 +209,12 @@ static size_t fill_edges(double *places, size_t num_ranges, size_t num_on_edge) 
     return count;
 }
 
-/* Fills in the candidates: all corners, a quarter of the candidates along the edges, and the rest
- * inside. */
+/* Fills in the candidates: all corners, a quarter along the edges, and the rest inside. */
 static ehd_status fill_candidates(variation *self, const char *path, ehd_error *error) {
     const size_t d = self->num_ranges, num_corners = (size_t)1 << d,
                  num_edges = d * num_corners / 2;
     const size_t num_on_edge = self->num_candidates / 4 / num_edges;
-    // The state of the sequence is allocated here, because gsl_qrng_alloc ends the process if there
-    // is no memory.
+    // allocated here, because gsl_qrng_alloc ends the process if there is no memory
     const gsl_qrng_type *type = gsl_qrng_sobol;
     gsl_qrng sequence = {type, (unsigned)d, type->state_size((unsigned)d), NULL};
     sequence.state = malloc(sequence.state_size);
@@ -276,7 +272,6 @@ static ehd_status read_region(variation *self, const tree_node *group, double ti
     return status;
 }
 
-/* Returns the value of a candidate in a range. */
 static double range_value(const variation *self, size_t range, size_t point) {
     const variation_range *of = &self->ranges[range];
     const double part = self->candidates[self->num_ranges * (point % self->num_candidates) + range];
@@ -402,7 +397,6 @@ ehd_status variation_check_overrides(const variation *self, const scene_source *
 
 // ---- points
 
-/* Returns the index of a point's value in a column. */
 static size_t value_index(const variation *self, size_t column, size_t point) {
     if (self->num_ranges > 0) point /= self->num_candidates;
     if (self->num_histories > 0) point /= self->num_histories;

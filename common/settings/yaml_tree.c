@@ -171,7 +171,6 @@ static ehd_status copy_scalar(const reader *self, const yaml_event_t *event, cha
     return EHD_OK;
 }
 
-/* Sets the key of the node that was added to a map last. */
 static ehd_status set_key(const reader *self, const yaml_event_t *event, const tree_node *map,
                           tree_node *node) {
     const place where = place_of(self, event->start_mark);
@@ -207,8 +206,7 @@ static ehd_status fill_node(reader *self, tree_node *node, const yaml_event_t *e
     return read_children(self, node, depth + 1);
 }
 
-/* Reads one child of a map or list. In a map `event` is the key of the child. In a list `event` is
- * the start of the child. */
+/* Reads one child of a map or list. `event` is the key of the child in a map, else its start. */
 static ehd_status read_child(reader *self, tree_node *parent, yaml_event_t *event, size_t depth) {
     tree_node *child = NULL;
     ehd_status status = add_node(self, &child, parent, event->start_mark);

@@ -15,11 +15,10 @@ const double bdf_most_growth = 1 + 1.4142135623730951;
  * error_is_that_of_the_next_power). */
 static const double MOST_ENLARGED = 46;
 
-/* A step of first order is predicted by the slope between the known states. This constant is the
- * largest ratio of the step to the time between these states. The iteration leaves an error of 1e-8
- * to 1e-5 of a film in each state. If the ratio is larger, the slope may consist of these errors,
- * so the prediction is the last state (test_bdf.c,
- * a_step_much_longer_than_the_last_is_of_lower_order). */
+/* Largest ratio of a step to the time between the known states for which their slope predicts a
+ * step of first order. The iteration leaves an error of 1e-8 to 1e-5 of a film in each state. At
+ * larger ratios the slope may consist of these errors, so the prediction is the last state
+ * (test_bdf.c, a_step_much_longer_than_the_last_is_of_lower_order). */
 static const double MOST_EXTRAPOLATED = 100;
 
 /* Sets the weights with which the polynomial through the chosen previous states predicts the new
@@ -109,7 +108,6 @@ bdf_ring bdf_ring_empty(void) {
     return ring;
 }
 
-/* Returns the time between the states at place[i] and place[i + 1]. */
 static double interval(const bdf_ring *ring, size_t i) {
     return ring->time[ring->place[i]] - ring->time[ring->place[i + 1]];
 }

@@ -235,8 +235,7 @@ static double table_value(const history *self, double time) {
     return self->spline ? spline_at(self->spline, time) : line_value(self, time);
 }
 
-/* Lowers the minimum to the extrema of the spline within interval i, where the slope of the spline
- * is a parabola. */
+/* Lowers the minimum to the extrema of the spline in interval i, where its slope is a parabola. */
 static void lower_to_turns(minimum_value *minimum, const history *self, size_t i, double end_time) {
     const double left = self->time[i], right = self->time[i + 1];
     const double slope = spline_slope(self->spline, left);
@@ -277,8 +276,7 @@ static double table_integral(const history *self, double time) {
     return beyond + integral_of_rows(self, within) - integral_of_rows(self, 0);
 }
 
-/* Returns the time of the next row of a table with linear interpolation, which has a kink at each
- * row. A spline has no kinks. */
+/* Returns the time of the next row, where linear interpolation has a kink; a spline has none. */
 static double table_next_kink(const history *self, double time, bool *jump) {
     *jump = false;
     if (self->spline || time >= self->time[self->count - 1]) return INFINITY;
@@ -412,7 +410,6 @@ double histories_path(const ehd_histories *self, double time) {
     return speed->law->integral(speed, time);
 }
 
-/* Returns the next kink of one history after a time. */
 static double kink_after(const history *of, double time, bool *jump) {
     *jump = false;
     return of->law->next_kink ? of->law->next_kink(of, time, jump) : INFINITY;

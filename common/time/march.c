@@ -51,10 +51,9 @@ static const double SAFETY = 0.85;
  * small for test_march.c, steps_stand_above_noise. */
 static const double NOISE_KEPT = 0.9;
 
-/* WATCHED_ATTEMPTS: number of attempts after which the progress of a march is checked. If this
- * number is 30, a march ends too early. STILL_ATTEMPTS: number of attempts after which a march is
- * checked for standstill. If this number is 3, a march ends too early; if it is 10,000, too late
- * (test_march.c, step_size_underflows, crawling_ends). */
+/* Numbers of attempts after which a march is checked for progress (WATCHED_ATTEMPTS) and for
+ * standstill (STILL_ATTEMPTS). With 30 and 3 attempts a march ends too early, with STILL_ATTEMPTS =
+ * 10,000 too late (test_march.c, step_size_underflows, crawling_ends). */
 enum { WATCHED_ATTEMPTS = 3000, STILL_ATTEMPTS = 100 };
 
 /* MIN_STEP: shortest step, divided by the first step. A value of 1e-3 is too large for
@@ -132,7 +131,6 @@ bool march_deviates(char reason[MARCH_REASON], double central, double minimum, d
     return true;
 }
 
-/* Marks a solved step as EHD_UNTRUSTED if its estimated deviation exceeds the accuracy. */
 static void judge_accuracy(march *self, march_step *outcome) {
     if (!outcome->status && march_deviates(self->deviation, outcome->indicated,
                                            outcome->indicated_minimum, self->settings.accuracy))
@@ -146,7 +144,6 @@ ehd_status march_check_start(double speed, bool approach_given, ehd_error *error
                     "where the approach is given");
 }
 
-/* Returns the frame of the start. */
 static contact_frame start_frame(const march *self) {
     contact_frame frame =
         march_frame(&self->settings, self->reference->kind, self->histories, 0, 1);
@@ -219,9 +216,8 @@ typedef struct next_stop {
     double time;
     bool is_kink; // the histories have an event there
     bool is_jump; // the histories jump there
-    // held: time of the first jump that belongs to this stop; equals `time` if there is no jump
-    // last: time of the last event that belongs to this stop; equals `time` if there is no other
-    // event
+    // held, last: time of the first jump and of the last event that belong to this stop; equal to
+    // `time` if there is none
     double held, last;
 } next_stop;
 
@@ -246,8 +242,7 @@ static double step_of_surface(const march *self) {
     return step;
 }
 
-/* Adds to a stop the events of the histories, from `kink` on, that are treated as the same
- * time. */
+/* Adds to a stop the events of the histories, from `kink` on, that count as the same time. */
 static void join_events(next_stop *stop, const march *self, double kink, bool jump,
                         double distance) {
     while (kink <= stop->time + distance) {
@@ -272,8 +267,7 @@ static next_stop find_next_stop(const march *self) {
     const double since = fmax(time, fmin(state->last_event, time + distance));
     bool jump;
     const double kink = histories_next_kink(self->histories, since, &jump);
-    // A multiple of the fixed step, not a sum of steps: times do not drift, and after a shortened
-    // step the march returns to the multiples.
+    // multiples, not sums of steps, so that times do not drift
     const double multiple =
         isnan(fixed) ? INFINITY : (floor((time + distance) / fixed) + 1) * fixed;
     const double event = fmin(fmin(kink, multiple), end);
@@ -389,7 +383,6 @@ static double next_step(const march *self, const march_step *outcome) {
     return outcome->step * fmin(fmax(factor, SHRINK), MAX_GROWTH);
 }
 
-/* Attempts the step to the next time. */
 static ehd_status attempt(march_step *outcome, march *self, const next_stop *next,
                           ehd_error *error) {
     march_state *state = &self->state;
@@ -461,7 +454,6 @@ static double first_step_after_jump(const march *self, const march_step *outcome
     return is_along_path(self) ? fmin(first, shortest_step(self, &outcome->frame)) : first;
 }
 
-/* Accepts the solver's last attempt, and sets the next step. */
 static void accept(march *self, march_step *outcome, const next_stop *reached) {
     march_state *state = &self->state;
 
@@ -487,7 +479,6 @@ static void accept(march *self, march_step *outcome, const next_stop *reached) {
     state->step = fmax(state->step, 2 * min_step(self));
 }
 
-/* Makes one attempt, and accepts or rejects it. */
 static ehd_status advance(march *self, ehd_error *error) {
     const next_stop next = find_next_stop(self);
     march_step outcome;
@@ -513,10 +504,9 @@ typedef struct stillness {
     double time, num_rejected;
 } stillness;
 
-/* Ends a march that stands still. The mean step of the last STILL_ATTEMPTS attempts is then shorter
- * than a thousandth of the first step, and with such steps the end is more than a million attempts
- * away. At least one attempt must have been rejected: without rejections, steps become shorter only
- * at events of the histories. */
+/* Ends a march that stands still: the mean step of the last STILL_ATTEMPTS attempts is shorter than
+ * a thousandth of the first step, and the end is more than a million attempts away. At least one
+ * attempt must have been rejected, because otherwise only events of the histories shorten steps. */
 static void watch_standstill(march *self, stillness *mark) {
     // limits of the mean step, relative to the first step, and of the number of attempts that would
     // be needed to reach the end (test_march.c, crawling_ends)

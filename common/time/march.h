@@ -22,9 +22,8 @@ typedef struct march_step {
     contact_frame frame;
     double step; // 0 at the start
     bdf_formula formula;
-    // Largest local error of rho H, relative to the central film. In short steps with transport
-    // along the path, it is the error that a film accumulates on its way to the centre. 0: no
-    // estimate.
+    // Largest local error of rho H, relative to the central film; in short steps with transport
+    // along the path, the error that a film accumulates on its way to the centre. 0: no estimate.
     double local_error;
     contact_scalars scalars; // in the current frame
     // Estimated relative changes of central and minimum film in the limit of small time steps and,
@@ -120,8 +119,7 @@ typedef struct march_state {
     double rejected_step, rejected_error; // step and error of the last rejected attempt; 0: none
     double noise;                         // recently observed noise of the solver's local errors
     double at_kink;                       // 1 if the histories have a kink at `time`, else 0
-    double last_event;                    // last event that is treated as `time`; equals `time` if
-                                          // there is no such event
+    double last_event;                    // last event that is treated as `time`, or else `time`
     load_forecast forecast;
     double num_steps, num_rejected,
         num_iterations;     // whole numbers

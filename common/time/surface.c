@@ -23,7 +23,7 @@ static const double PART_OF_STEP = 0.25;
  * what_the_grid_does_not_see_is_refused). */
 static const double STEPS_PER_WAVE = 4;
 
-enum { MIN_ROWS = 3 };                                // least number of rows, and of lines
+enum { MIN_ROWS = 3 };                                // least numbers of rows and of lines
 static const double MAX_X = 1e9, MIN_DISTANCE = 1e-9; // Bounds of a table's x, half widths
 
 typedef struct surface_kind surface_kind;
@@ -134,7 +134,6 @@ static bool is_in_order(const ehd_surface *self, size_t i) {
     return i == 0 || self->y[i] - self->y[i - 1] >= MIN_DISTANCE;
 }
 
-/* Checks whether row i is at the edge of the table. */
 static bool is_at_edge(const ehd_surface *self, size_t i) {
     const size_t column = i % self->num_x, line = i / self->num_x;
 
@@ -269,7 +268,6 @@ static ehd_status prepare_file(ehd_surface *self, double of_length, double of_he
     return EHD_OK;
 }
 
-/* Returns y of a line of the table. */
 static double line_y(const ehd_surface *self, size_t line) {
     return self->y[line * self->num_x];
 }
@@ -342,8 +340,7 @@ static void set_position(ehd_surface *self, double of_length, const ehd_grid *gr
             given->speed > 0 ? first_x(grid) - self->front : last_x(grid) - self->rear;
 }
 
-/* Checks that the speed equals the speed of one of the two surfaces, if the scene gives both
- * speeds. */
+/* Checks that the speed is the speed of one of the two surfaces, if the scene gives both. */
 static ehd_status check_slide_roll(double speed, double slide_roll, ehd_error *error) {
     const double faster = 1 + slide_roll / 2, slower = 1 - slide_roll / 2;
 
@@ -414,8 +411,7 @@ ehd_status surface_check_start(const ehd_surface *self, const contact_frame *fra
                     self->given.position, forwards ? "at most" : "at least", most);
 }
 
-/* Checks the grid steps along and across against the length of a wave that has the largest
- * curvature of the surface. */
+/* Checks the grid steps against the length of a wave with the largest curvature of the surface. */
 static ehd_status check_step(const ehd_surface *self, const ehd_grid *grid, ehd_error *error) {
     const bool varies_across =
         grid->inner_lines > 1 && (self->y || self->kind->height == dent_height);

@@ -50,7 +50,6 @@ static int count_times(const ehd_histories *histories, double end_time) {
     return (int)fmin(fmax(TIMES_A_PERIOD * end_time / period, NUM_TIMES), MOST_TIMES);
 }
 
-/* Returns the contact at the time of the smallest M. */
 static ehd_contact contact_of_least_M(const ehd_histories *histories, const ehd_contact *reference,
                                       double end_time) {
     const int count = count_times(histories, end_time);

@@ -59,9 +59,8 @@ static double square(const crowd *self, size_t i, size_t j) {
     return sum;
 }
 
-/* Fills a column with the coordinates, from 0 to 1, of all trajectories for one setting. The
- * coordinates are the values relative to the range of the setting. If all values are positive,
- * their logarithms are used. The coordinate is 0 if the setting is not given. */
+/* Fills a column with the coordinates, from 0 to 1, of all trajectories for one setting: values
+ * relative to the range of the setting, logarithmic if all are positive; 0 if not given. */
 static void place_column(double *column, size_t width, const setting *row,
                          const training_set *set) {
     double low = INFINITY, high = -INFINITY;
@@ -109,8 +108,7 @@ static void crowd_free(crowd *self) {
 
 // ---- scenes in the middle
 
-/* Makes the scene half-way between two scenes. Returns false if there is no such scene, or if its
- * contact is not valid. */
+/* Makes the scene half-way between two scenes. Returns false if no valid contact lies there. */
 static bool find_middle(scene *middle, const scene *left, const scene *right) {
     ehd_contact contact;
 
@@ -139,8 +137,7 @@ static bool are_neighbours(const crowd *self, size_t i, size_t j) {
     return true;
 }
 
-/* Checks whether the plan already has a scene: both diagonals of a grid cell have the same
- * middle. */
+/* Checks whether the plan has a scene already: both diagonals of a grid cell have one middle. */
 static bool is_known(const plan *between, const plan_point *added) {
     for (size_t i = 0; i < between->num_points; i++) {
         const plan_point *known = &between->points[i];
@@ -156,7 +153,6 @@ static size_t number_at(const crowd *self, size_t i) {
     return self->points ? self->set->numbers[i] : self->set->trajectories[i].number;
 }
 
-/* Allocates memory for one more point. */
 static ehd_status reserve(plan *between, size_t *room, const char *name, ehd_error *error) {
     if (between->num_points < *room) return EHD_OK;
     const size_t more = 2 * *room + 64;

@@ -31,21 +31,19 @@ ehd_status between_neighbours(
     const char *name,            // name of the plan, for errors
     ehd_error *error);
 
-/* Chooses points far from one another. Begins with the first point. Then adds, again and again, the
- * point that is farthest from the chosen points; of equally far points it adds the first. Points of
- * different lubricants or groups are infinitely far from one another. Therefore each lubricant of
- * each group gets a first point before any gets a second, even if this takes more than `count`
- * points. Errors: EHD_MEMORY. */
+/* Chooses points far from one another. Begins with the first point, then always adds the point
+ * farthest from the chosen points (the first of equally far points). Points of different lubricants
+ * or groups are infinitely far apart, so each lubricant of each group gets a first point before any
+ * gets a second, even if this takes more than `count` points. Errors: EHD_MEMORY. */
 ehd_status between_spread(
     // output:
     bool *chosen, // [num_points]
     // input:
     const training_set *set, size_t count, ehd_error *error);
 
-/* Chooses `count` more points, evenly along the list of points that tree_walk makes of the set's
- * tree. Each part of the region gets chosen points in proportion to its points, so the chosen
- * points are a fair sample. The points of between_spread are no such sample, because points far
- * from one another are mostly at the edge. Errors: EHD_MEMORY. */
+/* Chooses `count` more points, evenly along the list that tree_walk makes of the set's tree. Each
+ * part of the region gets chosen points in proportion to its points, so the chosen points are a
+ * fair sample. The points of between_spread are mostly at the edge. Errors: EHD_MEMORY. */
 ehd_status between_sweep(
     // in and out:
     bool *chosen, // [num_points]

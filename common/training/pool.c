@@ -59,7 +59,6 @@ static bool is_done(const pool *self, size_t point) {
     return self->work->done && self->work->done[point];
 }
 
-/* Returns the point at a place of the order. */
 static size_t point_at(const pool *self, size_t place) {
     return self->work->order ? self->work->order[place] : place;
 }
@@ -92,8 +91,7 @@ static size_t take_ready(pool *self) {
     return lowest;
 }
 
-/* Takes the first point in the order whose parent is finished. Returns NO_PARENT if there is
- * none. */
+/* Takes the first point in the order whose parent is finished, or NO_PARENT. */
 static size_t free_point(pool *self) {
     while (self->next < self->work->num_points && !is_root(self, self->next))
         self->next++;
@@ -103,7 +101,6 @@ static size_t free_point(pool *self) {
     return root ? point_at(self, self->next++) : NO_PARENT;
 }
 
-/* Marks the points that waited for this point as ready. */
 static void release_children(pool *self, size_t point) {
     if (!self->place) return;
     for (size_t child = self->first_child[point]; child != NO_PARENT;
@@ -191,8 +188,7 @@ static void *run_worker(void *argument) {
     return NULL;
 }
 
-/* Starts up to num_wanted threads and returns their number. If fewer start, they do all of the
- * work. */
+/* Starts up to num_wanted threads and returns their number. Fewer threads also do all the work. */
 static size_t start_threads(pthread_t *threads, size_t num_wanted, pool *self) {
     size_t started = 0;
 
@@ -239,8 +235,7 @@ static void run_threads(pool *self) {
     free(threads);
 }
 
-/* Allocates the lists. Their memory grows with the points only if there is an order, or points wait
- * for others. */
+/* Allocates the lists; only `ready` if there is no order and no point waits for another. */
 static bool prepare(pool *self) {
     const pool_work *work = self->work;
     const size_t count = work->num_points;

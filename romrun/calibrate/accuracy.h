@@ -31,12 +31,10 @@ ehd_status accuracy_choose(
     // input:
     const trade_table *table, double accuracy, bool in_time, const char *name, ehd_error *error);
 
-/* Returns the tolerance for online_solver_set_tolerance: a fiftieth of the accuracy, at least
- * 1e-8. */
+/* Returns the tolerance of a solver: a fiftieth of the accuracy, at least 1e-8. */
 double accuracy_tolerance(double accuracy);
 
-/* Returns the limit of the error estimates of both films: the accuracy, or 1 % if it is 0 (not
- * given). */
+/* Returns the limit of both films' error estimates: the accuracy, or 1 % if it is not given (0). */
 double accuracy_limit(double accuracy);
 
 /* Sets EHD_UNTRUSTED if the error estimate of the central or minimum film exceeds
@@ -47,8 +45,7 @@ void accuracy_judge(run_result *result, double accuracy);
  * times the accuracy, in Hertz pressures. The caller then solves the contact again with a more
  * accurate model size. */
 void accuracy_judge_peak(run_result *result, double accuracy,
-                         double peak); // result of online_indicate_peak; NaN: the estimate is not
-                                       // known and changes nothing
+                         double peak); // result of online_indicate_peak; NaN: no effect
 
 /* Limits of --accuracy-of, indexed by indicated_quantity; 0: no limit. */
 typedef struct accuracy_limits {

@@ -262,8 +262,7 @@ static case_row expected_row(const batch *self, const ehd_contact *contact) {
     return row;
 }
 
-/* Reads all rows once, so that an invalid row is refused before any case is solved. Counts the
- * rows. */
+/* Counts the rows, and refuses an invalid row before any case is solved. */
 static ehd_status check_rows(batch *self, size_t *count, ehd_error *error) {
     bool found = true, any_slides = false, with_effects;
     ehd_contact contact;
@@ -331,8 +330,7 @@ static ehd_status read_batch(size_t *count, batch *self, ehd_error *error) {
     return status;
 }
 
-/* Writes the solved rows of a batch. If the batch was interrupted, writes only the rows before the
- * first unsolved row. */
+/* Writes the solved rows of a batch, only up to the first unsolved row if interrupted. */
 static ehd_status write_batch(batch *self, size_t count, cases_summary *summary, ehd_error *error) {
     size_t num_solved = 0;
 

@@ -31,8 +31,7 @@ static ehd_status make_set(training_set *set, const plan *of, const reduced_mode
     return status;
 }
 
-/* Keeps only the points that the model was trained on: removes points that failed or were not
- * solved. Keeps all trajectories. */
+/* Removes points that failed or were not solved in the training. Keeps all trajectories. */
 static ehd_status keep_trained(training_set *set, const reduced_model *model, const char *name,
                                ehd_error *error) {
     bool *keep = calloc(set->num_points + 1, sizeof *keep);

@@ -9,17 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Data that are saved in addition to the states. All members are doubles, so the struct is saved as
- * an array of numbers. */
+/* Data saved in addition to the states. All members are doubles, to be saved as an array. */
 typedef struct standing {
     double full;        // 1 while the full model takes the steps, else 0
     double full_states; // 1 if the last accepted states are in the full model, else 0
-    // pause: number of full steps between two tries of the reduced model; left: number of full
-    // steps until the next try
+    // full steps between two tries of the reduced model, and full steps until the next try
     double pause, left;
     double held; // number of reduced steps since the last return to the reduced model
-    // numbers of Newton iterations. useful: of accepted steps; wasted: of attempts that were not
-    // accepted; open: of the attempt that is neither accepted nor rejected yet
+    // Newton iterations: of accepted steps, of attempts not accepted, of the undecided attempt
     double useful, wasted, open;
     double full_steps, since, seconds_full, seconds_reduced; // members of time_run_share
 } standing;
@@ -32,8 +29,7 @@ struct fallback_march {
     // limit of the error estimates of both films in a reduced step, and of the deviation of the
     // reduced films from the full model's films (function `deviation`)
     double limit;
-    const char *distrust; // why the full model takes all steps; NULL: the full model takes only
-                          // single steps
+    const char *distrust; // why the full model takes all steps; NULL: only single steps
     parts_march *reduced;
     full_march *full;
     march_solver of_reduced, of_full;
@@ -42,8 +38,7 @@ struct fallback_march {
     // state of the attempted step:
     bool by_full;      // the full model solved the step
     bool tried;        // the reduced model has taken over the full model's states
-    bool returns;      // the reduced model solved the step like the full model, and takes the next
-                       // steps
+    bool returns;      // the reduced model takes the next steps
     const char *doubt; // why the reduced model does not take the step
     bool base_taken;   // the reduced model has taken over the full model's base
                        // (common/time/README.md, Along the path)
@@ -61,10 +56,9 @@ fallback_march *fallback_march_free(fallback_march *self) {
 ehd_status fallback_march_create(fallback_march **created, parts_march *reduced, double start_film,
                                  double accuracy, const char *distrust, ehd_error *error) {
     // Limit of the estimated film errors, as a fraction of the accuracy. Measured with an accuracy
-    // of 1 % and a load that varies by +-30 %, which was not trained. If the fraction is 0.1, the
-    // error of the minimum film is 0.57 %, and the full model takes 348 of 640 steps. If the
-    // fraction is 1, the error is 25 %, and the full model takes 330 steps (README.md, Fallback to
-    // the full model).
+    // of 1 % and an untrained variation of the load by +-30 %: with 0.1 the error of the minimum
+    // film is 0.57 %, and the full model takes 348 of 640 steps. With 1 the error is 25 %, and the
+    // full model takes 330 steps (README.md, Fallback to the full model).
     const double part = 0.1;
     const full_settings settings = full_default_settings();
     const ehd_contact *reference = reduced_march_steps(parts_march_part(reduced, 0))->reference;
@@ -167,10 +161,9 @@ static bool is_budget_spent(const fallback_march *self) {
     return self->now.wasted > self->now.useful;
 }
 
-/* Tries to return to the reduced model. The reduced model gets the projected states of the full
- * model and solves the step that the full model has just solved. If this step is trusted, and its
- * films agree with the full model's films within the limit, the reduced model takes the next steps.
- * Film features outside of the reduced basis have then left the contact. */
+/* Tries to return to the reduced model: it solves the step that the full model has just solved. If
+ * this step is trusted and the films of both models agree within the limit, film features outside
+ * of the reduced basis have left the contact, and the reduced model takes over. */
 static ehd_status try_to_return(fallback_march *self, const march_step *solved,
                                 const contact_frame *frame, double step, ehd_error *error) {
     const contact_frame now = load_frame(self, 0), before = load_frame(self, 1);
@@ -336,9 +329,8 @@ static ehd_status touching(double *approach, double *load, void *solver, const c
     return self->of_full.touching(approach, load, self->of_full.self, frame, error);
 }
 
-/* Returns the number of saved doubles: struct standing, the reason, the states of the reduced
- * model, and the states of the full model. A model that does not hold the last states saves
- * zeros. */
+/* Returns the number of saved doubles: struct standing, the reason, the states of both models. A
+ * model that does not hold the last states saves zeros. */
 static size_t saved_size(const void *solver) {
     const fallback_march *self = solver;
 

@@ -11,9 +11,9 @@
 typedef struct recorder {
     const program *caller;
     const training_set *set;
-    recording *recordings;     // [num_trajectories]
-    ehd_histories **histories; // [num_trajectories]; read before the threads start, because HDF5 is
-                               // not thread-safe
+    recording *recordings; // [num_trajectories]
+    // [num_trajectories]; read before the threads start, because HDF5 is not thread-safe
+    ehd_histories **histories;
     size_t num_done;
     progress progress;
 } recorder;

@@ -42,8 +42,7 @@ extern const double time_margin;
 film_factors time_factors_fit(
     // input:
     const step_samples *steps,
-    const bool *lost, // [number of trajectories] true: the trajectory is left out of the mean,
-                      // since one of its steps did not converge or is not trusted
+    const bool *lost, // [trajectories] true: a step failed or is not trusted; not in the mean
     // work:
     double *errors); // [count]
 

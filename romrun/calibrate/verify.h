@@ -7,8 +7,7 @@
 #include "romrun/online/online.h"
 
 typedef struct verification {
-    double residual;         // largest scaled residual of all rows before the exit and of the load
-                             // balance
+    double residual;         // largest scaled residual of rows before the exit and load balance
     double tolerance;        // tolerance of fullrun
     double residual_seconds; // time for the residual, O(n log n)
     // Relative change of the central film by one Newton step of the full model at a fixed exit. To

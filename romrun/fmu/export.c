@@ -219,7 +219,6 @@ static ehd_status find_approach(export_job *job, ehd_error *error) {
     return status;
 }
 
-/* Returns the number that the scene has for a setting. */
 static double number_of(const setting *row, const scene *of) {
     double value = 0;
 
@@ -271,8 +270,7 @@ static void keep_failure(void *to, fmu_outcome of, const char *text) {
     if (of != FMU_DONE) ehd_fail(to, EHD_INTERNAL, "fmu: %s", text);
 }
 
-/* Takes one step with the FMU, as an importer does. The FMU reads the files that were just
- * written. */
+/* Takes one step with the FMU of the written files, as an importer does. */
 static ehd_status try_out(const export_job *job, ehd_error *error) {
     ehd_no_memory(error, "fmu");
     errno = 0;

@@ -31,8 +31,7 @@ typedef struct moment {
     double time, stop;
     double values[FMU_NUM_VARIABLES];
     bool solved;      // during initialization: the outputs belong to the present inputs
-    double pending;   // s, length of a step that the contact has taken but not accepted; 0: there
-                      // is no such step
+    double pending;   // s, length of the step that is not accepted yet; 0: no such step
     double last;      // s, length of the last internal step; 0: no step was taken yet
     double noise;     // magnitude of recent local errors that were accepted as noise
     bool noisy;       // the noise has been logged
@@ -50,8 +49,7 @@ struct fmu_instance {
     char *resources; // folder of the resources
     ehdrom_model *model;
     ehdrom_contact *contact;
-    ehdrom_contact *stationary; // contact for the stationary outputs; NULL: no stationary output
-                                // was read yet
+    ehdrom_contact *stationary; // for the stationary outputs; NULL: none was read yet
     bool has_stationary;        // the stationary outputs are up to date
     bool slid;                  // the traction belongs to the present outputs
     void *before;               // saved state before a step
@@ -255,7 +253,6 @@ static conditions conditions_of(const double values[FMU_NUM_VARIABLES], bool app
                         .sliding = values[FMU_SPEED_1] - values[FMU_SPEED_2]};
 }
 
-/* Interpolates linearly between two conditions. */
 static conditions between(const conditions *from, const conditions *to, double part) {
     if (part == 1) return *to;
     return (conditions){.given = from->given + (to->given - from->given) * part,
@@ -319,8 +316,7 @@ static void tell_trust(const fmu_instance *self, const ehdrom_result *result) {
             ehdrom_contact_error(self->contact));
 }
 
-/* Solves the stationary contact of the inputs, unless the outputs already belong to these
- * inputs. */
+/* Solves the stationary contact of the inputs, unless the outputs belong to these inputs. */
 static bool start(fmu_instance *self) {
     moment *now = &self->now;
     ehdrom_result result = EHDROM_RESULT_INIT;
@@ -457,7 +453,6 @@ bool fmu_reset(fmu_instance *self) {
 
 // ---- steps
 
-/* Accepts the pending step. */
 static bool accept(fmu_instance *self) {
     moment *now = &self->now;
 
@@ -477,8 +472,7 @@ enum { MOST_HALVINGS = 20 };
 /* A communication step is discarded if it hardly proceeds. This is checked after every
  * WATCHED_ATTEMPTS attempts. At the rate of these attempts, the rest of the step must not take more
  * than MOST_ATTEMPTS attempts. Without this check one step of fmu.bats, "a step that cannot be done
- * changes nothing", took more than 17 minutes. In this test the given load changes to a value that
- * no contact can have, but steps of a millionth may still converge. */
+ * changes nothing", took over 17 minutes: tiny steps may converge at an impossible load. */
 enum { WATCHED_ATTEMPTS = 100, MOST_ATTEMPTS = 100000 };
 
 /* Largest number of halvings of a step whose local error is too large. After these halvings the
@@ -502,8 +496,7 @@ typedef struct stretch {
     double mark; // value of `done` when the present WATCHED_ATTEMPTS attempts began
     // about the attempts after `done`:
     int halvings;
-    double error; // local error of the last attempt, which was twice as long; 0: no attempt, or not
-                  // converged
+    double error; // local error of the last attempt, twice as long; 0: none or not converged
     int idle;     // halvings in a row that hardly reduced the error
 } stretch;
 
@@ -545,7 +538,6 @@ static void take_part(moment *now, stretch *of, const conditions *at) {
     of->steps++;
     of->halvings = of->idle = 0;
     of->error = 0;
-    // doubles the next part if the rest is a multiple of the doubled part
     if (fmod(of->done, 2 * of->part) == 0) of->part *= 2;
 }
 
@@ -659,8 +651,7 @@ double fmu_time(const fmu_instance *self) {
 /* Relative change of the inputs for central differences (README.md, Directional derivatives). */
 static const double relative_change = 1e-3;
 
-/* Returns the scale of an input. In a central difference the change of the input is proportional to
- * this scale. */
+/* Returns the scale of an input, to which its change in a central difference is proportional. */
 static double scale_of(const fmu_instance *self, unsigned reference) {
     const double *values = self->now.values;
 
@@ -717,8 +708,7 @@ static bool outputs_at(fmu_instance *self, double outputs[FMU_NUM_VARIABLES],
            (!stationary || respond(self, &at, result.load, outputs));
 }
 
-/* Computes the derivatives that are NaN by central differences, for which it repeats the last step
- * (or the start) with other inputs. */
+/* Computes the derivatives that are NaN by central differences, from repeated steps. */
 static bool by_differences(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                            const unsigned knowns[], size_t num_knowns, const double direction[],
                            double derivative[]) {
@@ -744,8 +734,7 @@ static bool by_differences(fmu_instance *self, const unsigned unknowns[], size_t
     return true;
 }
 
-/* Computes the derivatives by the library's tangent. They are NaN for outputs without a tangent, or
- * if the library fails. */
+/* Computes derivatives by the library's tangent; NaN: no tangent, or the library fails. */
 static void by_tangent(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                        const unsigned knowns[], size_t num_knowns, const double direction[],
                        double derivative[]) {
@@ -821,8 +810,7 @@ size_t fmu_state_size(const void *state) {
     return state ? ((const fmu_state *)state)->size : 0;
 }
 
-/* Allocates `*state` for `size` bytes, unless it has this size. Returns NULL if there is no
- * memory. */
+/* Allocates `*state` for `size` bytes, unless it has this size. Returns NULL without memory. */
 static fmu_state *make_state(fmu_instance *self, void **state, size_t size) {
     if (fmu_state_size(*state) != size || !*state) {
         fmu_state *made = realloc(*state, sizeof *made + size);
@@ -881,8 +869,7 @@ bool fmu_state_set(fmu_instance *self, void *state) {
     memcpy(&self->now, saved->bytes, sizeof self->now);
     if (has_contact(&self->now)) return restore(self, saved);
     self->has_stationary = self->slid = false;
-    self->now.solved = false; // the contact may be at another time, so the outputs must be computed
-                              // again
+    self->now.solved = false; // the contact may be at another time
     return true;
 }
 

@@ -22,8 +22,7 @@ typedef enum fmu_outcome {
 /* Log categories of these outcomes. */
 extern const char *const fmu_categories[];
 
-/* Receives the reason why a call failed or was discarded or, with FMU_DONE, a remark for the
- * user. */
+/* Receives the reason of a failed or discarded call or, with FMU_DONE, a remark for the user. */
 typedef void (*fmu_log)(void *to, fmu_outcome of, const char *text);
 
 typedef struct fmu_instance fmu_instance;
@@ -66,17 +65,15 @@ bool fmu_derivative(fmu_instance *self, const unsigned unknowns[], size_t num_un
                     const unsigned knowns[], size_t num_knowns, const double direction[],
                     double derivative[]);
 
-/* Saves the state as a block of bytes, which this FMU can restore in any process. If *state is
- * NULL, allocates the block; otherwise overwrites the block. The caller frees the block with
- * free(). */
+/* Saves the state as a block of bytes, which this FMU can restore in any process. Allocates the
+ * block if *state is NULL, otherwise overwrites it. Free the block with free(). */
 bool fmu_state_get(fmu_instance *self, void **state);
 bool fmu_state_set(fmu_instance *self, void *state);
 /* Returns the number of the state's bytes; 0: no state. */
 size_t fmu_state_size(const void *state);
 /* Copies the state's bytes to `bytes`, which holds `size` bytes. */
 bool fmu_state_write(fmu_instance *self, const void *state, void *bytes, size_t size);
-/* Makes a state from bytes of fmu_state_write and checks the state. *state: as for
- * fmu_state_get. */
+/* Makes and checks a state from bytes of fmu_state_write. *state: as for fmu_state_get. */
 bool fmu_state_read(fmu_instance *self, void **state, const void *bytes, size_t size);
 
 #endif

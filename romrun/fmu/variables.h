@@ -70,15 +70,11 @@ typedef struct fmu_variable {
     const char *name;
     fmu_role role;
     fmu_type type;
-    const char *unit, *unit_of_point; // units for a line contact and for a point contact; NULL: no
-                                      // unit
+    const char *unit, *unit_of_point; // units for line and point contacts; NULL: no unit
     fmu_when when;                    // which FMUs have the variable
-    const char *key;                  // setting that gives the start value; NULL: no setting gives
-                                      // it
-    size_t offset;                    // offset of an output in ehdrom_result; 0: the variable is
-                                      // not a member of ehdrom_result
-    size_t derivative;                // offset of the output's derivative in ehdrom_derivatives; 0:
-                                      // there is no such derivative
+    const char *key;                  // setting with the start value; NULL: no setting
+    size_t offset;                    // offset of an output in ehdrom_result; 0: no member
+    size_t derivative;                // output's offset in ehdrom_derivatives; 0: no derivative
     const char *help;
 } fmu_variable;
 
@@ -92,8 +88,7 @@ typedef struct fmu_contents {
     bool ellipse;
     bool approach_given; // false: the load is given
     bool slides;         // true: the scene has slide_roll or both speeds
-    double ratio;        // slide_roll of the scene if the sliding thins the film; NaN: the film
-                         // does not depend on the sliding
+    double ratio;        // slide_roll if the sliding thins the film; NaN: it does not
     bool heated;         // true: the scene has the lubricant's thermal_conductivity
     bool has[FMU_NUM_VARIABLES];
     double start[FMU_NUM_VARIABLES]; // start values of inputs and parameters
@@ -107,8 +102,7 @@ bool fmu_variable_fits(const fmu_variable *variable, const fmu_contents *content
 const char *fmu_contact(const fmu_contents *contents);
 
 void fmu_contents_write(FILE *file, const fmu_contents *contents);
-/* Reads resources/contact.txt to its end. Returns false if the content is not that of such a
- * file. */
+/* Reads resources/contact.txt to its end. Returns false if the content is not valid. */
 bool fmu_contents_read(fmu_contents *contents, FILE *file);
 
 #endif

@@ -125,7 +125,6 @@ static void replace(ehdrom_contact *self, const char *key, const char *text) {
     }
 }
 
-/* Checks whether a setting already has this text. */
 static bool is_set_to(const scene *settings, const char *key, const char *text) {
     const setting *row = setting_find(key);
     char now[NUMBER_TEXT];

@@ -35,8 +35,7 @@ struct ehdrom_contact {
     bool dimensionless;
     double accuracy, tolerance, step_tolerance; // NaN: the caller has not set this value
     last_call last;
-    contact_scalars scalars; // scalars of the last solution or accepted state, to which the fields
-                             // belong; load NaN: the scalars are not known
+    contact_scalars scalars; // of the state to which the fields belong; load NaN: not known
     contact_scalars stepped; // scalars of the step that may be accepted
     last_solved differentiable;
     // stationary
@@ -62,8 +61,7 @@ struct ehdrom_contact {
 locale_t library_enter(void);
 void library_leave(locale_t before);
 
-/* Begins a call and clears the error of the previous call. EHD_INTERNAL: a contact without a
- * model. */
+/* Begins a call and clears the previous error. EHD_INTERNAL: a contact without a model. */
 ehd_status library_begin(ehdrom_contact *self);
 
 /* Copies the members that both structs contain to the caller's struct. The first member of
@@ -81,8 +79,7 @@ ehd_status library_contact(ehd_contact *contact, unit_factors *units, ehdrom_con
  * grid of the model that has solved the contact. */
 const ehd_grid *library_grid(const ehdrom_contact *self);
 
-/* Computes pressure and film of the last solution or accepted state at its nodes, into
- * self->pressure and self->film. */
+/* Computes self->pressure and self->film of the last solution or accepted state, at its nodes. */
 ehd_status library_fields(ehdrom_contact *self);
 
 /* Writes the values of a field, [num_nodes], times `unit`, at the nodes of the whole contact,

@@ -24,8 +24,7 @@ static void judge(ehdrom_contact *self, ehdrom_result *result, const char **reas
     if (*reason) result->status = EHDROM_UNTRUSTED;
 }
 
-/* Fills in scalars in the caller's units. `width`: half width of the contact divided by the half
- * width of the reference. */
+/* Fills in scalars in the caller's units. `width`: half width, relative to the reference. */
 static void fill(ehdrom_result *result, const contact_scalars *scalars, double peak, double width,
                  const unit_factors *units) {
     result->load = scalars->load * units->load;
@@ -55,8 +54,7 @@ static ehd_status give(ehdrom_contact *self, ehdrom_result *target, ehdrom_resul
 
 // ---- stationary
 
-/* Sets EHD_UNTRUSTED, as romrun does, if the training's grid is too coarse to estimate the error
- * that the grid causes. */
+/* Sets EHD_UNTRUSTED, as romrun does, if the grid is too coarse to estimate its error. */
 static void judge_grid(online_result *found, const ehdrom_contact *self) {
     if (found->status) return;
     const film_effects effects = online_effects(self->model->online, &self->solved);

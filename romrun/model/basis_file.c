@@ -89,8 +89,7 @@ static void copy_coordinates(double *part, const reduced_states *states, size_t 
     }
 }
 
-/* If the training has trajectories, writes the rates of change of the states and which states are
- * stationary. */
+/* If the training has trajectories, writes the rates of change and which states are stationary. */
 static ehd_status put_trajectory_marks(artefact *file, const reduced_states *states, int64_t *work,
                                        ehd_error *error) {
     bool all_stationary = true;
@@ -139,8 +138,7 @@ static double *thinning_of(const reduced_states *states, const thinning_column *
     return column->by_gradient ? &thinning->gradient : &thinning->sliding;
 }
 
-/* Writes the thinning of the states' flows. A dataset is written only if one of its values is above
- * 0. */
+/* Writes the thinning of the states' flows, without datasets whose values are all 0. */
 static ehd_status put_thinning(artefact *file, const reduced_states *states, double *work,
                                ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -219,8 +217,7 @@ static ehd_status get_optional(reduced_states *states, artefact *file, double *w
     return status;
 }
 
-/* Returns the index in states->exit of the file's i-th exit. states->exit includes boundary lines,
- * but the file does not. */
+/* Returns the index in states->exit of the file's i-th exit; the file omits boundary lines. */
 static size_t exit_index(const ehd_grid *grid, const reduced_states *states, size_t i) {
     return i / grid->inner_lines * states->num_lines + grid_first_line(grid) +
            i % grid->inner_lines;

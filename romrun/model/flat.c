@@ -61,9 +61,8 @@ void flat_refuse(flat *self, const char *format, ...) {
 // ---- files
 
 /* Computes a checksum. The words are distributed over eight partial sums (lanes). Each step of a
- * lane can be inverted, so changing a single word always changes the sum. There are eight lanes for
- * speed: each step of a lane has to wait for the previous step of this lane, but the processor
- * computes different lanes in parallel. */
+ * lane can be inverted, so changing a single word always changes the sum. Eight lanes are fast,
+ * because the processor computes different lanes in parallel. */
 static uint64_t checksum_of(const unsigned char *bytes, size_t size) {
     enum { LANES = ALIGNMENT / sizeof(uint64_t) };
     const uint64_t factor = UINT64_C(0x9e3779b97f4a7c15);

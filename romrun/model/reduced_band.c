@@ -19,8 +19,7 @@
  * any_trained_solution_leads_to_any_other). */
 static const double EXIT_MARGIN = 0.1, LINES_MARGIN = 0.3, MINIMUM_MARGIN = 0.05;
 
-/* Finds the film minimum of a training state from the deflection of its pressure, and returns its
- * node. */
+/* Returns the node of a training state's film minimum, from the deflection of its pressure. */
 static size_t film_minimum(const reduced_basis *basis, const double *deflection,
                            const size_t *exit) {
     const ehd_grid *grid = &basis->grid;
@@ -40,7 +39,6 @@ static size_t film_minimum(const reduced_basis *basis, const double *deflection,
     return best;
 }
 
-/* Computes the deflection of a training state's pressure. */
 static void deflect_state(double *deflections, const reduced_basis *basis, size_t state,
                           ehd_deflection *deflection) {
     const reduced_states *states = &basis->states;
@@ -156,8 +154,7 @@ ehd_status reduced_model_find_band(reduced_model *model, const reduced_basis *ba
 
 // ---- checks of a file
 
-/* Checks whether the exits of a grid line lie inside its band, with space for the stencil of a
- * row. */
+/* Checks whether a grid line's exits lie inside its band, with space for a row's stencil. */
 static bool exits_fit(const band_line *line, const ehd_grid *grid) {
     const size_t width = grid_width(grid);
     const size_t end = line->max_exit + 1 + reynolds_reach_ahead(grid);

@@ -99,7 +99,6 @@ static void find_centre(size_t nodes[4], double weights[4], const ehd_grid *grid
             weights[i] = i == 1 ? 1 : 0;
 }
 
-/* Marks the nodes of the rows' stencils. */
 static void mark_stencils(bool *needed, const ehd_grid *grid, const size_t *rows, size_t num_rows) {
     for (size_t r = 0; r < num_rows; r++) {
         reynolds_stencil stencil = reynolds_stencil_at(grid, rows[r]);
@@ -126,8 +125,7 @@ ehd_status reduced_model_list_needed(reduced_model *model, row_set *set, ehd_err
     return set->needed_node ? EHD_OK : ehd_no_memory(error, "reduced model");
 }
 
-/* Returns the index of a node in an ascending list that contains the node. If the node is NO_NODE,
- * returns NO_NODE. */
+/* Returns the index of a node in an ascending list that contains the node; NO_NODE for NO_NODE. */
 static size_t index_in(const size_t *nodes, size_t count, size_t node) {
     size_t low = 0, high = count;
 

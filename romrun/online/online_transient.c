@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Creates a march for each part. */
 static ehd_status create_marches(online_transient *self, ehd_error *error) {
     const reduced_settings settings = reduced_default_settings();
     const size_t num_parts = self->model->num_parts;
@@ -87,7 +86,6 @@ reduced_march *transient_march_of_attempt(const online_transient *self) {
                                                       : parts_march_accepted(self->march));
 }
 
-/* Returns the march of the last accepted state. */
 static reduced_march *march_of_accepted(const online_transient *self) {
     return parts_march_part(self->march, parts_march_accepted(self->march));
 }

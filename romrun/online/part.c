@@ -238,10 +238,9 @@ static void indicate(online_result *result, part_solver *solver, const ehd_conta
     if (model->indicator_factor > 0) {
         result->indicated =
             trade_indicated(model->indicator_factor, model->shape[OF_CENTRAL_FILM], result->bound);
-        // The estimate of the minimum film is at least the estimate of the central film. In 16 of
-        // 452 scenes inside the trained range, with 78 of 110 modes, the minimum film's own
-        // estimate is below its error. The larger of both estimates is below the error in only 1
-        // scene (0.96 of the error).
+        // Takes the larger estimate of both films. In 16 of 452 scenes inside the trained range,
+        // with 78 of 110 modes, the minimum film's own estimate is below its error. The larger
+        // estimate is below the error in 1 scene (0.96 of the error).
         result->indicated_minimum =
             fmax(trade_indicated(model->indicator_factor_minimum, model->shape[OF_MINIMUM_FILM],
                                  result->bound_minimum),
@@ -295,9 +294,8 @@ void online_judge_pressure(online_result *result, const ehd_contact *contact,
 }
 
 /* Marks a converged result as untrusted if the contact lies outside of the trained range or if the
- * result is probably false: a large residual, many iterations, or a thinned flow that the equations
- * do not cover. If a result has not converged and the contact lies outside of the range, the reason
- * begins with the range. */
+ * result is probably false. If a result has not converged outside of the range, its reason begins
+ * with the range. */
 static void judge(online_result *result, part_solver *solver, const ehd_contact *contact) {
     const model_part *model = solver->model;
     const char *reason =

@@ -23,23 +23,17 @@ typedef struct model_part {
     bool shows;       // true: the part owns the lubricants of part_show, even if it is flat
     artefact *source; // open HDF5 file with the modes; NULL: a flat model, or the file is closed
     trained_range *range;
-    double indicator_factor; // factor of the error estimate of the central film; 0: these sizes are
-                             // not calibrated
+    double indicator_factor; // factor of the central film's estimate; 0: not calibrated
     double indicator_factor_minimum;
-    double largest_residual; // largest residual in the calibration; infinite: this residual is not
-                             // known
+    double largest_residual; // largest residual in the calibration; infinite: not known
     bool checked_in_time;
-    double most_iterations;             // largest number of iterations in the calibration;
-                                        // infinite: this number is not known
-    double other_factor[NUM_INDICATED]; // factors of the other error estimates; 0: these sizes are
-                                        // not calibrated
+    double most_iterations;             // largest number in the calibration; infinite: not known
+    double other_factor[NUM_INDICATED]; // factors of the other estimates; 0: not calibrated
     indicator_shape shape[NUM_BOUNDED]; // shapes of the estimates (indicator_shape)
-    film_factors in_time;               // factors of the error estimates in a transient run; NaN:
-                                        // these sizes are not calibrated on trajectories
+    film_factors in_time;               // factors in time; NaN: not calibrated on trajectories
     double *pressure_basis;             // NULL until fields or transient scenes are prepared
     const field_modes *fields;          // NULL: the model was not prepared for fields
-    field_modes own_fields;             // memory of `fields`, unless `fields` belongs to the
-                                        // splines
+    field_modes own_fields;             // memory of `fields`, unless the splines own it
     // true: prepared for transient scenes; the members below are then set
     bool transient;
     film_splines splines;

@@ -17,13 +17,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Weighted sums of rho H of the accepted states, in the frame of the attempt. They are evaluated at
- * the nodes of the rows and, on demand, at the nodes of the band. */
+/* Weighted sums of rho H of the accepted states, in the frame of the attempt. */
 typedef struct previous_sums {
     size_t *ascending;             // [num_rows] rows in the order of their nodes
     double *sum;                   // [num_rows] sum with the weights of the BDF formula
-    size_t attempt, *band_attempt; // number of the attempt; [nodes of the band] number of the
-                                   // attempt that set band_sum
+    size_t attempt, *band_attempt; // present attempt; [nodes of the band] attempt that set band_sum
     double *band_sum;              // [nodes of the band] the sum, evaluated on demand
 } previous_sums;
 
@@ -38,8 +36,7 @@ typedef struct error_estimate {
     size_t *way_row; // [num_way] row at the node, or NO_ROW
     double *x;       // [num_way] X of the place
     double *missed;  // [num_way] solution minus prediction of rho H (bdf_march_missed)
-    // [num_way] change of the last accepted rho H that the filter causes, and the places X to which
-    // the fluid has carried this change
+    // [num_way] change of the last accepted rho H by the filter, and X to which it was carried
     double *changed, *changed_x;
     double *way_mass; // [num_way] rho H at the place; infinite where no error is estimated
 } error_estimate;
@@ -55,8 +52,7 @@ typedef struct march_beside {
     reduced_squeeze squeeze;
 } march_beside;
 
-/* Arguments with which the solver's kept factors were made. A restored march makes the same factors
- * from these arguments. */
+/* Arguments of the solver's kept factors. A restored march makes the factors from them. */
 typedef struct factors_origin {
     bool valid;
     contact_frame frame;
@@ -76,8 +72,7 @@ struct reduced_march {
     double tolerance;                     // tolerance of the steps; NaN: the caller has not set it
     previous_film states[NUM_BDF_PLACES]; // states at the places of `bdf`
     previous_sums previous;
-    // with transport along the path: the base, which is the initial state, and d/dX of its rho H as
-    // the rows evaluate it
+    // transport along the path: the base (initial state), and d/dX of its rho H by the rows
     path_films path;
     double *entrained, *band_entrained; // [num_rows], [nodes of the band]
     error_estimate estimate;
@@ -91,9 +86,8 @@ struct reduced_march {
     // attempt, and for the last accepted state
     double doubtful, last_doubtful;
     factors_origin factors;
-    // frames scaled by the loads of the solutions: for the attempt, for the last accepted state,
-    // and for the state from which rates of change are measured. If the approach is given, these
-    // frames differ from the frames in which the states were solved
+    // frames scaled by the computed loads: attempt, last accepted state, and the state from which
+    // rates are measured. If the approach is given, the states were solved in other frames
     contact_frame load_frame, last_load_frame, rate_frame;
     reduced_info info; // outcome of the attempt
     march_beside beside[2];
@@ -154,9 +148,8 @@ static bool is_along_path(const reduced_march *self) {
     return bdf_march_along_path(&self->bdf);
 }
 
-/* Returns whether the errors that time steps cause in the minimum film are estimated. They are
- * estimated only with transport along the path, and not for a point contact, because its minimum
- * film lies beside the central grid line. */
+/* Checks whether errors of the minimum film by time steps are estimated. For a point contact they
+ * are not, because its minimum film lies beside the central grid line. */
 static bool estimates_minimum(const reduced_march *self) {
     return is_along_path(self) && self->model->band.num_lines == 1;
 }
@@ -202,7 +195,6 @@ static bool find_way(reduced_march *self) {
     return true;
 }
 
-/* Prepares the data for transport along the path. */
 static ehd_status prepare_path(reduced_march *self, ehd_error *error) {
     const ehd_contact *reference = &self->reference;
     const ehd_status status =
@@ -212,7 +204,6 @@ static ehd_status prepare_path(reduced_march *self, ehd_error *error) {
     return status || find_way(self) ? status : ehd_no_memory(error, "online solver");
 }
 
-/* Checks whether the training solutions are all stationary. */
 static bool is_of_stationary_scenes(const reduced_states *states) {
     size_t i = 0;
 
@@ -343,9 +334,8 @@ static void add_effort(reduced_march *self, const reduced_info *info) {
 
 // ---- trust
 
-/* Checks whether an exit lies at the edge of its trained range. An exit at the end of the grid is
- * accepted. Reason: right after a sudden rise of the load the whole outlet is full, and the exit of
- * the full model in the training lies there for a moment. */
+/* Checks whether an exit lies at the edge of its trained range. The end of the grid is accepted as
+ * an exit: right after a sudden rise of the load the whole outlet is full. */
 static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
     const size_t *exit = reduced_state_exits(state), end = grid_width(&model->grid) - 2;
 
@@ -395,9 +385,8 @@ static frame_rates rates_of_step(const reduced_march *self) {
     return rates;
 }
 
-/* Sets rate_frame, from which rates are measured, to the frame of the accepted state. Does this
- * only if the state is far enough from the present rate_frame or is the first state after a
- * jump. */
+/* Moves rate_frame to the accepted state if this state is far enough from the present rate_frame,
+ * or is the first state after a jump. */
 static void move_rate_frame(reduced_march *self) {
     const contact_frame *now = &self->load_frame, *last = &self->rate_frame;
 
@@ -406,10 +395,7 @@ static void move_rate_frame(reduced_march *self) {
         self->rate_frame = *now;
 }
 
-/* Returns why the model does not cover a state, or NULL if it does. Reasons: a thinned flow that
- * the equations do not cover; a film that ruptures in the inlet, where the model has no exit; a
- * second zone of pressure; an exit at the edge of its range; a contact outside of the trained
- * range. */
+/* Returns why the model does not cover a state, or NULL if it does. */
 static const char *why_not_to_trust(reduced_march *self, const reduced_state *state) {
     // Pressure below which the film ruptures, Hertz pressures. Truncation alone causes negative
     // pressures of a tenth of this value (romrun/trust/README.md, Results that are rejected).
@@ -453,8 +439,7 @@ static ehd_status solve(reduced_info *info, reduced_march *self, const ehd_conta
     return status;
 }
 
-/* Solves the stationary contact under the load that scales a frame, starting from the trained
- * states around it. */
+/* Solves the stationary contact under the load that scales a frame, from trained states. */
 static ehd_status solve_under_load(reduced_info *info, reduced_march *self,
                                    const contact_frame *frame, ehd_error *error) {
     ehd_contact contact;
@@ -467,9 +452,8 @@ static ehd_status solve_under_load(reduced_info *info, reduced_march *self,
 
 /* Finds the load at the given approach by fixed-point iteration: the load of each stationary
  * solution rescales the frame of the next one. The iteration may end in a cycle, because solutions
- * have a tolerance and exits are nodes. Example: for the line contact of scenes/examples/oscillator
- * under 0.952 of its load, the relative error of the load alternates between 64e-9 and -64e-9. Such
- * errors are small enough, so any frame of the cycle is taken. */
+ * have a tolerance and exits are nodes. Any frame of the cycle is accepted, since its load is off
+ * by only 64e-9 (line contact of scenes/examples/oscillator under 0.952 of its load). */
 static ehd_status find_load(reduced_info *info, reduced_march *self, contact_frame *frame,
                             ehd_error *error) {
     // Largest number of rescalings, and largest relative error of the load in a cycle
@@ -497,9 +481,8 @@ static ehd_status find_load(reduced_info *info, reduced_march *self, contact_fra
     return EHD_OK;
 }
 
-/* Finds the load for an approach at which find_load does not converge. The secant method changes
- * the load until the error of the approach is at most a tenth of the film. Each solution begins at
- * a trained state. Then find_load completes the search. */
+/* Finds the load for an approach at which find_load does not converge. The secant method comes
+ * near, starting each solution at a trained state, and find_load completes the search. */
 static ehd_status walk_to_approach(reduced_info *info, reduced_march *self, contact_frame *frame,
                                    ehd_error *error) {
     // `near`: error of the approach from which on find_load takes over, in central films.
@@ -577,8 +560,7 @@ static double entrain(const reduced_march *self, size_t node) {
     return -row.residual;
 }
 
-/* Prepares the base after its state is set. Previous states are then stored as differences from the
- * base. */
+/* Prepares the base after its state is set. Previous states are then relative to the base. */
 static ehd_status use_base(void *solver, ehd_error *error) {
     reduced_march *self = solver;
     const reduced_model *model = self->model;
@@ -623,8 +605,7 @@ static void add_local(reduced_march *self, const contact_scalars *scalars,
     time_indicator_add_local(&self->indicator, errors, scalars, then, now);
 }
 
-/* Sets the error estimates of the outcome from the errors that the indicator has computed for the
- * attempt. */
+/* Sets the error estimates of the outcome from the indicator's errors of the attempt. */
 static void set_indicated(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
     const time_indicator *indicator = &self->indicator;
     const film_factors *factors = &self->of_films;
@@ -722,8 +703,7 @@ static void add_times(double *target, double factor, const double *source, size_
     axpy(target, factor, source, count);
 }
 
-/* Extrapolates the coordinates and the values at the needed nodes from the accepted states. Keeps
- * the exits of the last state. */
+/* Extrapolates coordinates and needed values from the accepted states. Keeps the last exits. */
 static void predict(reduced_march *self) {
     const reduced_model *model = self->model;
     previous_film *next = state_before(self, 0);
@@ -743,7 +723,7 @@ static void predict(reduced_march *self) {
         add_times(values->pressure, factor, previous->values.pressure, model->rows.num_needed);
         add_times(values->cut, factor, previous->values.cut, model->cut.num_rows);
         if (previous->values.checkpoint != values->checkpoint && factor != 0)
-            values->checkpoint = model->checkpoints.num; // this value means: no checkpoint
+            values->checkpoint = model->checkpoints.num; // no checkpoint
     }
 }
 
@@ -763,8 +743,7 @@ static void masses_at(double *mass, const previous_film *const *films, size_t nu
                              &self->reference);
 }
 
-/* Returns the weighted sum over the states of a BDF formula. The function dot() is made for longer
- * vectors. */
+/* Returns the weighted sum of a BDF formula. The function dot() is made for longer vectors. */
 static double history_sum(const double *weights, const double *values, size_t count) {
     double sum = 0;
 
@@ -773,9 +752,8 @@ static double history_sum(const double *weights, const double *values, size_t co
     return sum;
 }
 
-/* Computes the part of the squeeze term that previous states contribute at the rows' nodes,
- * [num_rows]: the weighted sum of their rho H. `masses`, [BDF_PREVIOUS, num_rows]: rho H of each
- * state; NULL if not needed. */
+/* Computes the previous states' part of the squeeze term at the rows' nodes, [num_rows]. `masses`,
+ * [BDF_PREVIOUS, num_rows]: rho H of each state; NULL if not needed. */
 static void sum_at_rows(double *sum, double *const *masses, const reduced_march *self,
                         const contact_frame *frame, double entrainment) {
     const reduced_model *model = self->model;
@@ -873,8 +851,8 @@ static bool is_before_exit(const reduced_march *self, size_t node) {
     return grid_x(grid, node) < end - march_exit_margin;
 }
 
-/* Returns the difference of bdf_march_missed at any node. The state of the attempt must be
- * prepared. *mass: rho H at the node. */
+/* Returns bdf_march_missed (solution minus prediction of rho H) at any node. The state of the
+ * attempt must be prepared. *mass: rho H at the node. */
 static double missed_at(double *mass, const reduced_march *self, size_t node) {
     const previous_film *films[BDF_PREVIOUS];
     const previous_film *next = &self->states[bdf_march_place(&self->bdf, 0)];
@@ -893,8 +871,7 @@ static double hertz_density(const ehd_contact *contact, double x) {
                              contact->hertz_pressure * sqrt(fmax(1 - x * x, 0)));
 }
 
-/* Computes bdf_march_missed at the places of the way to the centre. The state of the attempt must
- * be prepared. */
+/* Computes bdf_march_missed on the way to the centre. The attempt's state must be prepared. */
 static void miss_on_the_way(reduced_march *self) {
     error_estimate *estimate = &self->estimate;
 
@@ -913,10 +890,9 @@ static void miss_on_the_way(reduced_march *self) {
 }
 
 /* Returns the largest error of rho H that a film accumulates in the attempt on its way to the
- * centre, divided by the path of the step, as the full model does. The error is an integral along
- * the central grid line. Its integrand is linear between the places of the way. If the step is
- * shorter than frame_shortest_step, the integral is divided by the path of this shortest step,
- * since noise does not shrink further. */
+ * centre, divided by the path of the step, as the full model does. If the step is shorter than
+ * frame_shortest_step, the error is divided by the path of this shortest step, since noise does not
+ * shrink further. */
 static double error_on_the_way(void *solver) {
     const reduced_march *self = solver;
     const error_estimate *estimate = &self->estimate;
@@ -1024,11 +1000,10 @@ static void indicate(march_step *outcome, reduced_march *self, const ehd_contact
     set_indicated(outcome, self, contact);
 }
 
-/* Returns whether a step whose exit did not settle is repeated with a shorter step. A step that is
- * already much shorter than the step before is not repeated. */
+/* Returns whether a step whose exit did not settle is repeated with a shorter step. */
 static bool shorter_may_settle(const reduced_march *self) {
-    // Ratio of the length of the step to the length of the previous step. Above this ratio the step
-    // is repeated. In scenes/examples/line-in-time all exits settle, so no step reaches this limit.
+    // Ratio of the lengths of this and the previous step, above which the step is repeated. In
+    // scenes/examples/line-in-time all exits settle, so no step reaches this limit.
     const double much_shorter = 0.05;
     const size_t *index = self->bdf.ring.place;
 
@@ -1164,12 +1139,10 @@ static bool same_exits(const reduced_state *a, const reduced_state *b, const red
                   model->band.num_lines * sizeof(size_t)) == 0;
 }
 
-/* Returns whether to keep the factors for the next step, judged by the convergence in this step.
- * Keeping the factors longer does not save time. */
+/* Returns whether to keep the factors for the next step. Keeping them longer saves no time. */
 static bool factors_are_current(const reduced_march *self, const reduced_state *solved) {
     // Largest number of iterations of a step after which the factors are kept. A model of
-    // scenes/examples/line-in-time takes 255 iterations in all if this number is 3. It takes 234 if
-    // this number is 1, and 279 if it is 10.
+    // scenes/examples/line-in-time takes 234 iterations with 1, 255 with 3, and 279 with 10.
     const size_t max_iterations = 3;
 
     return self->factors.valid && !self->info.own_jacobian &&
@@ -1293,11 +1266,9 @@ static ehd_status mean_lift(double *lift, const reduced_march *self, const hande
     return EHD_OK;
 }
 
-/* Projects a handed state on the modes. Finds the coordinates of its pressure in the orthonormal
- * modes and, for an independent basis, the coordinates of its deflection. Finds the nearest exits
- * that the model has. The approach is set so that the mean film stays the same. Otherwise the
- * pressure that the modes do not represent would lift or lower the whole film. Errors:
- * EHD_MEMORY. */
+/* Projects a handed state on the modes, with the nearest exits that the model has. The approach is
+ * set so that the mean film stays the same. Otherwise pressure outside of the modes would lift or
+ * lower the whole film. Errors: EHD_MEMORY. */
 static ehd_status project(reduced_state *target, const reduced_march *self,
                           const handed_state *state, ehd_error *error) {
     const reduced_model *model = self->model;
@@ -1395,7 +1366,6 @@ void reduced_march_take_indicated(reduced_march *self, const reduced_march *from
 
 // ---- saving
 
-/* Saves exits and coordinates. */
 static void save_state(double *target, const reduced_state *state, const reduced_model *model) {
     const size_t *exit = reduced_state_exits(state);
 

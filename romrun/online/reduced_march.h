@@ -76,8 +76,7 @@ reduced_state reduced_march_state(const reduced_march *self, contact_frame *fram
  * reference contact has the smoothing of the model. */
 bdf_march *reduced_march_steps(reduced_march *self);
 
-/* Returns the state `steps` before the next one: 1 is the last accepted state, 0 the last
- * attempt. */
+/* Returns a state. `steps`: 0 for the last attempt, 1 for the last accepted state, and so on. */
 reduced_state reduced_march_state_before(const reduced_march *self, size_t steps,
                                          contact_frame *frame);
 

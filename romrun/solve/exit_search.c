@@ -175,12 +175,11 @@ static size_t node_with_flux(exit_query *query, double flux, size_t node, size_t
     return node;
 }
 
-/* Finds the exit of a stationary line contact within the window, and returns it. If a pressure is
- * negative, the exit moves upstream. If the multiplier at the exit is negative, the exit moves
- * downstream. In both cases the exit moves to the first node, counted from the negative value on,
- * at which the film alone carries the flux. If the exit moved to the negative pressure itself, some
- * iterations would end with an exit ten nodes too far upstream, where all signs are right
- * (scenes/studies/stationary-line: minimum film 1 % off). */
+/* Finds the exit of a stationary line contact within the window, and returns it. A negative
+ * pressure moves the exit upstream, a negative multiplier at the exit moves it downstream: to the
+ * first node, counted from the negative value on, at which the film alone carries the flux. If the
+ * exit moved to the negative pressure itself, some iterations would end with an exit ten nodes too
+ * far upstream, with all signs right (scenes/studies/stationary-line: minimum film 1 % off). */
 static size_t find_by_flux(exit_query *query) {
     const reduced_model *model = query->search->model;
     const band_line *band = &model->band.lines[0];
@@ -227,9 +226,8 @@ static size_t find_by_signs(exit_query *query, size_t line) {
     return column;
 }
 
-/* Computes P and H at the band nodes around the exit line. The rows at the exits of each grid line
- * and of the neighbouring lines need these nodes. P is computed in the whole window, also behind
- * the exit, where it is the pressure of the modes before they are set to zero. */
+/* Computes P and H at the band nodes that the rows at the exits of each grid line and of the
+ * neighbouring lines need. P is the uncut pressure in the whole window, also behind the exit. */
 static void expand_around(exit_query *query) {
     const reduced_model *model = query->search->model;
     const size_t *exits = query->nodes->exit;
@@ -256,8 +254,7 @@ static void expand_around(exit_query *query) {
     }
 }
 
-/* Checks whether the exit is searched for on a grid line. The search covers inner lines at
- * distances of `spacing`, and the last inner line. */
+/* Checks whether a grid line is searched: inner lines `spacing` apart, and the last inner line. */
 static bool is_searched(const exit_search *self, size_t line) {
     const ehd_grid *grid = &self->model->grid;
     size_t spacing = (size_t)(self->spacing / grid->step);
@@ -286,8 +283,7 @@ static void interpolate_exits(size_t *exits, const exit_search *self) {
     }
 }
 
-/* Sets self->wanted to the nodes where the exits should be. On grid lines that are not searched,
- * self->wanted is the present exit. */
+/* Sets self->wanted to the nodes where the exits should be; lines not searched keep their exit. */
 static void find_exits(exit_query *query) {
     exit_search *self = query->search;
     const reduced_model *model = self->model;

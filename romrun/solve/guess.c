@@ -17,9 +17,8 @@ enum { NUM_NEIGHBOURS = 24 };
 
 /* Largest number of other starts that are tried after the first one. In 434 of 482 random scenes
  * inside the trained range of the lower region (scenes/studies/silent-failures, seed 42) the first
- * start leads to the solution. In 38 more scenes one of the next eleven starts does, and in 5 more
- * one of the twelve after them. A start that leads to no solution takes 38 iterations
- * (test_guess.c, goes_on_to_other_starts). */
+ * start leads to the solution, in 38 one of the next eleven, and in 5 one of the twelve after them.
+ * A start that leads to no solution takes 38 iterations (test_guess.c, goes_on_to_other_starts). */
 enum { MAX_STARTS = 11 };
 
 /* Coordinates of a trained solution relative to the contact to be solved: the differences of
@@ -144,8 +143,7 @@ static size_t nearest_states(neighbour *nearest, const reduced_states *states,
         if (!is_start(states, s, any)) continue;
         if (effect != ANY_EFFECT && isnan(states->effects[s].of[effect])) continue;
         neighbour fresh = place_of_state(states, s, here);
-        // the state is too far away even with the same lubricant, so the comparison of the
-        // lubricants, which takes most of the time, is skipped
+        // the state is too far away with any lubricant: skips the slow comparison
         if (count == NUM_NEIGHBOURS && fresh.distance >= nearest[count - 1].distance &&
             (!others || *others))
             continue;
@@ -260,7 +258,6 @@ static void combine_states(reduced_state *state, const reduced_model *model,
     }
 }
 
-/* Checks whether neighbours differ from each other in a coordinate. */
 static bool do_differ(const neighbour *nearest, size_t count, int coordinate) {
     for (size_t i = 1; i < count; i++)
         if (fabs(nearest[i].away[coordinate] - nearest[0].away[coordinate]) > ROUNDING) return true;
@@ -280,8 +277,7 @@ static bool find_differences(bool differs[NUM_COORDINATES], const neighbour *nea
     return any;
 }
 
-/* Finds the first fit that fit_weights accepts, and its weights. Returns the number of neighbours
- * that this fit uses; 0: no fit is accepted. */
+/* Finds the first accepted fit and its weights. Returns its number of neighbours; 0: no fit. */
 static size_t first_fit(double *weights, const neighbour *nearest, size_t count,
                         const neighbour_fit fits[NUM_FITS], const bool *differs) {
     for (int f = 0; f < NUM_FITS; f++) {
@@ -291,8 +287,7 @@ static size_t first_fit(double *weights, const neighbour *nearest, size_t count,
     return 0;
 }
 
-/* Finds the weights of the best fit through `count` neighbours, at least one. If neighbours differ
- * in lubricant or thinning, fits with terms for these coordinates are tried first. If no fit is
+/* Finds the weights of the best fit through `count` neighbours, at least one. If no fit is
  * accepted, the nearest neighbour alone is used. Returns the number of neighbours in use. */
 static size_t best_weights(double *weights, const neighbour *nearest, size_t count) {
     const bool none[NUM_COORDINATES] = {false};
@@ -313,8 +308,7 @@ void reduced_guess(reduced_state *state, const reduced_model *model, contact_pla
     double weights[NUM_NEIGHBOURS];
     size_t states[NUM_NEIGHBOURS];
 
-    // first tries the states of the same lubricant, because the effect of a different lubricant is
-    // not linear
+    // tries the same lubricant first, since the effect of another lubricant is not linear
     bool others = false;
     size_t count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, &others);
     const bool differs[NUM_COORDINATES] = {
@@ -322,8 +316,7 @@ void reduced_guess(reduced_state *state, const reduced_model *model, contact_pla
         [ALONG_GRADIENT] = do_differ(nearest, count, ALONG_GRADIENT)};
     if (!fit_weights(weights, nearest, count, &FITS[0], differs)) {
         if (others) count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, NULL);
-        // the contact's lubricant has no viscosity at the pressure of any state: use states of all
-        // lubricants
+        // the lubricant has no viscosity at any state's pressure: uses all lubricants
         if (count == 0) {
             wanted_place of_any = here;
             of_any.lubricant = NULL;

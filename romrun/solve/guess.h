@@ -9,11 +9,11 @@
 #include "romrun/solve/reduced_solver.h"
 
 /* Sets the initial state to a quadratic fit through the trained solutions nearest in (ln M, ln(1 +
- * alpha p_H)/2). If this fit would extrapolate, the function uses an affine fit. If the affine fit
- * would extrapolate too, it uses the nearest solution. Pressures are added in a coordinate in which
- * all spikes lie at the same place (start_shift.h). The fits are also linear in the differences of
- * viscosity and density, at the same Hertz pressure, and in the difference of the thinning. These
- * differences also count in the distance of a trained solution. */
+ * alpha p_H)/2). If this fit would extrapolate, the function uses an affine fit or, if that fit
+ * would extrapolate too, the nearest solution. Pressures are added in a coordinate in which all
+ * spikes lie at the same place (start_shift.h). The fits are also linear in the differences of
+ * viscosity and density, at the same Hertz pressure, and of the thinning. These differences also
+ * count in the distance of a trained solution. */
 void reduced_guess(reduced_state *state, const reduced_model *model, contact_place place);
 
 /* Solves from the initial state of reduced_guess. If the iteration does not converge, the function

@@ -24,7 +24,7 @@ struct least_squares {
     bool by_qr;         // true: the factor comes from QR
     double *right;      // [longest]
     double *direction;  // [longest] work of qr_solve
-    arena memory;       // memory of all arrays
+    arena memory;
 };
 
 /* Reciprocal condition number of the Gram matrix below which QR is used. Measured on random
@@ -55,8 +55,8 @@ least_squares *least_squares_create(size_t max_rows, size_t num_columns) {
 }
 
 /* Scales the columns to unit norm and computes the lower part of their Gram matrix. Zero columns
- * get the scale zero. Columns that are not finite get the scale NaN, so that no solution is found.
- * If they were treated as zero columns, the other columns would still have a solution. */
+ * get the scale zero. Columns that are not finite get the scale NaN, so that no solution is found;
+ * without these columns the others would still have a solution. */
 static void scaled_gram(least_squares *self, const double *matrix, size_t num_rows) {
     size_t n = self->num_columns;
 

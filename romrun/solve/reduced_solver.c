@@ -31,7 +31,7 @@ struct reduced_solver {
     void *observer_context;
     double *observed; // [2, rows of the model]
     double *joining;  // [nodes of a line contact's band, num_unknowns] work of join_nodes
-    arena memory;     // memory of all arrays
+    arena memory;
 };
 
 reduced_settings reduced_default_settings(void) {
@@ -116,7 +116,6 @@ static ehd_status fail(reduced_info *info, const char *reason) {
  * system_about uses the pressures of the last state. */
 typedef enum { AT_STATE, ABOUT_FIRST, ABOUT_NEXT } row_pressures;
 
-/* Evaluates rows and their derivatives at the state and its exit line. */
 static void evaluate(reduced_solver *self, const reduced_state *state, const reduced_values *known,
                      const ehd_contact *contact, const reduced_squeeze *squeeze, row_pressures at) {
     const double approach = state->coordinates[self->model->num_unknowns - 1];
@@ -146,7 +145,6 @@ static size_t build_system(reduced_solver *self, const reduced_state *state,
     return num_rows + 1;
 }
 
-/* Solves for the undamped step. */
 static ehd_status solve_step(reduced_solver *self, size_t num_rows) {
     const reduced_settings *settings = &self->settings;
     row_system *system = &self->system;
@@ -177,10 +175,9 @@ static ehd_status observe(reduced_solver *self, ehd_error *error) {
 /* MAX_PRESSURE_CHANGE: largest change of the pressure in one iteration, Hertz pressures.
  * MIN_FILM_LEFT: fraction of the smallest film that must remain after an iteration. A step that
  * exceeds one of these limits is damped. Measured by solving each of twelve trained contacts from
- * the solution of each other one. If MAX_PRESSURE_CHANGE is 0.3, all solutions are found, in 850
- * iterations. If it is 0.1, four solutions are not found, in 863 iterations. If it is 1, two
- * solutions are not found, in 893 iterations. A MIN_FILM_LEFT of up to 0.5 changes nothing
- * (test_reduced_solver.c, any_trained_solution_leads_to_any_other). */
+ * the solution of each other one: a MAX_PRESSURE_CHANGE of 0.3 finds all solutions in 850
+ * iterations, 0.1 misses four (863 iterations), 1 misses two (893 iterations). A MIN_FILM_LEFT of
+ * up to 0.5 changes nothing (test_reduced_solver.c, any_trained_solution_leads_to_any_other). */
 static const double MAX_PRESSURE_CHANGE = 0.3;
 static const double MIN_FILM_LEFT = 0.2;
 
@@ -213,7 +210,6 @@ typedef struct iterate {
     double moved;  // undamped move of an exit within its cell, in grid steps
 } iterate;
 
-/* Adds the damped step to the state. */
 static iterate take_step(reduced_state *state, reduced_solver *self, const iterate *before) {
     const reduced_model *model = self->model;
     node_state *nodes = &self->nodes;
@@ -233,14 +229,13 @@ static iterate take_step(reduced_state *state, reduced_solver *self, const itera
 }
 
 /* The iteration has converged if the next iteration would change P by less than this limit, Hertz
- * pressures. Sixty contacts around scenes/examples/line take 258 iterations with a limit of 1e-4
- * and with a limit of 1e-2. With a limit of 1e-6 they take 282, and the films change by less than
- * 1e-10. */
+ * pressures. Sixty contacts around scenes/examples/line take 258 iterations with limits of 1e-4 and
+ * 1e-2. With 1e-6 they take 282, and the films change by less than 1e-10. */
 static const double PRESSURE_TOLERANCE = 1e-4;
 
-/* Returns the estimated change by the next iteration, divided by the change by this iteration.
- * Convergence is taken as quadratic, so this ratio is the square of the observed rate. Near the
- * solution Gauss-Newton converges only linearly. This is slower only where the rate is small. */
+/* Returns the estimated change by the next iteration, divided by the change by this iteration: the
+ * square of the observed rate, as for quadratic convergence. Near the solution Gauss-Newton
+ * converges only linearly, which is slower only where the rate is small. */
 static double next_rate(const iterate *now) {
     const double rate = fmin(now->rate, 1);
 
@@ -305,11 +300,10 @@ static void join_nodes(reduced_state *state, reduced_solver *self, size_t exit) 
     }
 }
 
-/* Runs the algorithm of Maier et al. (2015), section 3: Gauss-Newton on the weighted least squares
- * of the selected rows. The exit line is adapted in each iteration. In a transient run, after an
- * iteration that changes the pressure by less than exits_near_change, the function tries to finish
- * with one more Jacobian (end_near). The outcome is info->status. The function returns an error
- * only if the observer or memory fails. */
+/* Runs the algorithm of Maier et al. (2015), section 3. In a transient run, after an iteration that
+ * changes the pressure by less than exits_near_change, the function tries to finish with one more
+ * Jacobian (end_near). The outcome is info->status. The function returns an error only if the
+ * observer or memory fails. */
 static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                                const ehd_contact *contact, const reduced_squeeze *squeeze,
                                ehd_error *error) {
@@ -394,14 +388,13 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
  * kept_factors_serve_steps_alike). */
 static const double MAX_KEPT_RATE = 0.5;
 
-/* Limits of the change of P in one iteration with kept factors (L2 norm). MAX_KEPT_CHANGE: an
- * iteration with a larger change would need damping. KEPT_TOLERANCE: tolerance of the change. The
- * norm follows from the coordinates and does not depend on the grid. The line contact under a load
- * of period 1/2 (scenes/studies/transient-load) takes 370 iterations with new Jacobians and 1768
- * with kept factors. With a MAX_KEPT_CHANGE of 2e-3 these numbers are 685 and 1143, and the march
- * takes 22 % more instructions. With a KEPT_TOLERANCE of 7e-5 the film of
- * scenes/examples/line-in-time changes by 4e-4. This example takes 255 iterations with a
- * KEPT_TOLERANCE of 7e-6, and 328 with 7e-7. */
+/* Limits of the change of P in one iteration with kept factors (L2 norm, from the coordinates
+ * alone). MAX_KEPT_CHANGE: an iteration with a larger change would need damping. KEPT_TOLERANCE:
+ * tolerance of the change. The line contact under a load of period 1/2
+ * (scenes/studies/transient-load) takes 370 iterations with new Jacobians and 1768 with kept
+ * factors. With a MAX_KEPT_CHANGE of 2e-3 these numbers are 685 and 1143, and the march takes 22 %
+ * more instructions. scenes/examples/line-in-time takes 255 iterations with a KEPT_TOLERANCE of
+ * 7e-6, and 328 with 7e-7. With 7e-5 its film changes by 4e-4. */
 static const double MAX_KEPT_CHANGE = 2e-2, KEPT_TOLERANCE = 7e-6;
 
 /* Factorises the Jacobian at the state at which the rows have been evaluated. */
@@ -538,9 +531,8 @@ static bool kept_are_of_use(const reduced_solver *self, const reduced_squeeze *s
            self->kept.rate * (1 - MAX_KEPT_RATE) <= squeeze->rate;
 }
 
-/* Iterates with the kept factors, if they are of use. If this iteration converges too slowly,
- * continues with factors of the Jacobian at the state reached. If this fails too, iterates from the
- * initial state with new Jacobians. */
+/* Tries the kept factors, if they are of use. If this iteration converges too slowly, tries factors
+ * of the Jacobian at the state reached. The last resort is new Jacobians from the initial state. */
 static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver *self,
                         const ehd_contact *contact, const reduced_squeeze *squeeze,
                         ehd_error *error) {

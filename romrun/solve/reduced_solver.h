@@ -10,10 +10,10 @@
 #include "romrun/state/reduced_state.h"
 #include <stdbool.h>
 
-/* Solves the least-squares problem of an iteration, step = argmin |matrix step + right|. The first
- * rows are the model's weighted rows before the exit, in the model's order. The linear equations
- * follow. Tests and research programs may set a function with another method or other weights in
- * reduced_settings. EHD_NOT_CONVERGED: there is no solution. */
+/* Solves the least-squares problem of an iteration, step = argmin |matrix step + right|: the
+ * weighted rows before the exit in the model's order, then the linear equations. Tests and research
+ * programs may set a function with another method or other weights in reduced_settings.
+ * EHD_NOT_CONVERGED: there is no solution. */
 typedef ehd_status reduced_linear_solver(double *step, // out: [num_unknowns]
                                          void *context,
                                          const double *matrix, // [num_rows, num_unknowns]
@@ -26,12 +26,10 @@ typedef struct reduced_settings {
     double tolerance;
     size_t max_iterations; // default 40
     // distance between the grid lines of a point contact on which the exit is searched for, half
-    // widths. The exits of the other lines are interpolated (Maier et al. (2015), section 3.3). 0,
-    // the default: all lines are searched, since interpolation needs more iterations and saves no
-    // time.
+    // widths; other exits are interpolated (Maier et al. (2015), section 3.3). Default 0: all
+    // lines, since interpolation needs more iterations and saves no time
     double exit_spacing;
-    bool exit_at_node; // true: each exit is a node, as in transient runs; false: an exit may lie
-                       // between nodes (exit_is_within_node)
+    bool exit_at_node; // true: each exit is a node (transient runs); false: see exit_is_within_node
     reduced_linear_solver *solve_linear; // NULL: least_squares_solve
     void *linear_context;
 } reduced_settings;
@@ -92,8 +90,7 @@ void reduced_solver_set_tolerance(reduced_solver *solver, double tolerance);
 void reduced_solver_observe(reduced_solver *solver, reduced_observer *observer,
                             reduced_observer_end *end, void *context);
 
-/* Returns which rows of the model the least-squares problem of the present iteration contains, in
- * the order of the problem. */
+/* Returns the model's rows in the present least-squares problem, in the order of the problem. */
 const size_t *reduced_system_rows(size_t *num_rows, const reduced_solver *solver);
 
 /* Solves by Gauss-Newton iteration from the given state. If the iteration does not converge, the
@@ -113,8 +110,7 @@ contact_scalars reduced_scalars(reduced_solver *solver, const reduced_state *sta
                                 const ehd_contact *contact);
 
 /* Corrects the minimum film of the last solution of a transient line contact if the film has a dip
- * before the band. The minimum is found from the films that `film` returns at the nodes between the
- * needed nodes. */
+ * before the band. `film` returns H at the nodes between the needed nodes. */
 void reduced_find_dip(
     // in and out:
     contact_scalars *scalars,
@@ -137,8 +133,7 @@ contact_traction reduced_traction(reduced_solver *solver, const reduced_state *s
  * result of reduced_values_of. */
 void reduced_last_values(reduced_values *values, const reduced_solver *solver);
 
-/* P (zero behind the exit) and H of the last solution at the needed nodes (row_set),
- * [num_needed]. */
+/* P (zero behind the exit) and H of the last solution at the needed nodes, [num_needed]. */
 typedef struct reduced_needed {
     const double *pressure, *film;
 } reduced_needed;
@@ -149,17 +144,16 @@ void reduced_row_values(double *pressure, double *mass, const reduced_solver *so
                         const ehd_contact *contact);
 
 /* Factorises the Jacobian at a state and keeps the factors for later time steps. With a squeeze
- * term, reduced_solve then iterates with the kept factors first. It computes new Jacobians only if
- * this iteration does not converge. With kept factors the result differs by the product of the
- * remaining residual and the change of the Jacobian. The factors depend on the arguments alone, so
- * the same factors can be computed again. */
+ * term, reduced_solve then iterates with the kept factors first, and computes new Jacobians only if
+ * that iteration fails. The result differs by the product of the remaining residual and the change
+ * of the Jacobian. The factors depend on the arguments alone, so they can be computed again. */
 void reduced_keep_factors(reduced_solver *solver, const reduced_state *state,
                           const ehd_contact *contact, double rate);
 void reduced_drop_factors(reduced_solver *solver);
 
-/* Keeps the factors with which the last solution ended (info.near_factors). Returns the state at
- * which their Jacobian was evaluated: at this state, reduced_keep_factors computes the same
- * factors. The returned state is valid until the next solution. */
+/* Keeps the factors with which the last solution ended (info.near_factors). Returns the state of
+ * their Jacobian, from which reduced_keep_factors computes the same factors. The state is valid
+ * until the next solution. */
 const reduced_state *reduced_take_factors(reduced_solver *solver);
 
 #endif

@@ -16,18 +16,18 @@
 typedef struct solved_system {
     node_state *nodes; // nodes at the solution
     exit_search *exits;
-    size_t num_rows;            // number of rows of the matrix
-    size_t num_reynolds;        // number of Reynolds rows
-    const size_t *row;          // [num_reynolds] indices in the model
-    const double *matrix;       // [num_rows, num_unknowns] D J, of this or of an earlier step
-    least_squares *factors;     // factors of the matrix
+    size_t num_rows;
+    size_t num_reynolds;
+    const size_t *row;    // [num_reynolds] indices in the model
+    const double *matrix; // [num_rows, num_unknowns] D J, of this or of an earlier step
+    least_squares *factors;
     const double *right, *step; // [num_rows] D f before the last step; [num_unknowns] the last step
     // estimated change by a next step, divided by the change by the last step
     double remaining;
-    const double *offset;   // [num_unknowns] gradient of the exit's offset within its cell;
-                            // NULL: exits are nodes
-    size_t matrix_number;   // number of the kept matrix; 0: this solution made the matrix
-    size_t solution_number; // number of the solution
+    const double *offset; // [num_unknowns] gradient of the exit's offset within its cell;
+                          // NULL: exits are nodes
+    size_t matrix_number; // number of the kept matrix; 0: this solution made the matrix
+    size_t solution_number;
 } solved_system;
 
 /* Returns the system of the last solution. The system is valid until the next solution. */

@@ -11,8 +11,7 @@
 #include "romrun/model/flat.h"
 #include "romrun/state/reduced_state.h"
 
-/* Modes on the whole grid. The modes do not change after they are made, so several threads may use
- * them. */
+/* Modes on the whole grid. Several threads may use the modes, which never change. */
 typedef struct field_modes {
     const double *pressure; // [num_nodes, num_pressure] uncut; owned by the caller
     size_t *cut_exits;      // [num_lines] medians of the trained exits
@@ -44,8 +43,7 @@ void field_modes_flat(flat *file, field_modes *self, const reduced_model *model,
 /* Computes the deflections of the modes cut at cut_exits. Errors: EHD_MEMORY. */
 ehd_status field_modes_fill(
     // output:
-    double *table, // the first num_pressure numbers of each node are set; nodes are `column`
-                   // numbers apart
+    double *table, // num_pressure numbers for each node; nodes are `column` numbers apart
     size_t column,
     // input:
     const ehd_grid *grid, // the model's grid, with `margin` nodes before it and `side` lines beside

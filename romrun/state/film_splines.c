@@ -45,7 +45,6 @@ static bool is_line(const reduced_model *model) {
     return model->band.num_lines == 1;
 }
 
-/* Returns the layout of modes at the nodes of a grid. */
 static spline_layout layout_of_modes(const ehd_grid *grid, size_t width) {
     bool point = grid->inner_lines > 1;
     size_t column = (point ? 4 : 2) * width;
@@ -60,7 +59,6 @@ static spline_layout layout_of_modes(const ehd_grid *grid, size_t width) {
                            .y_curvature = 2 * width};
 }
 
-/* Returns the layout of the kernel by distance. */
 static spline_layout layout_of_kernel(const ehd_grid *grid) {
     spline_layout layout = layout_of_modes(grid, 1);
 
@@ -167,7 +165,6 @@ static ehd_status make_pressure_table(film_splines *self, const reduced_model *m
     return status;
 }
 
-/* Sets the grid and the layouts from the model. */
 static void lay_out(film_splines *self, const reduced_model *model) {
     widen_grid(self, model);
     self->layout = layout_of_modes(&self->grid, is_coupled(model) ? model->num_pressure
@@ -293,7 +290,6 @@ static size_t parts_of(const spline_layout *layout) {
     return layout->num_lines > 1 ? 4 : 2;
 }
 
-/* Allocates the sums. Returns false if there is no memory. */
 static bool init_sums(node_sums *self, const spline_layout *layout) {
     const size_t num_nodes = layout->num_lines * layout->num_columns;
 
@@ -337,9 +333,8 @@ void previous_film_free(previous_film *self) {
     memset(self, 0, sizeof *self);
 }
 
-/* Returns a row of the modes' table times the coordinates. The row is a weighted mean of both
- * tables: the filtered table has the weight `share`, the unfiltered table the weight 1 -
- * `share`. */
+/* Returns a row of the modes' table times the coordinates. The row is the weighted mean of the
+ * filtered table, with the weight `share`, and the unfiltered table. */
 static double sum_row(const node_sums *self, size_t at, size_t width) {
     double sum = 0;
 
@@ -510,8 +505,7 @@ static const double *sums_at(const node_sums *self, const previous_film *cut, si
     return sum;
 }
 
-/* Evaluates a state's spline at a point from the nodes around it. Skips nodes whose weights are
- * zero, for example if the point lies on a grid line. */
+/* Evaluates a state's spline at a point, without the nodes whose weights are zero. */
 static double evaluate(const node_sums *self, const previous_film *cut, const spline_point *along,
                        const spline_point *across, const film_splines *splines) {
     const bool line_contact = self->layout->num_lines == 1;
@@ -532,9 +526,7 @@ static double evaluate(const node_sums *self, const previous_film *cut, const sp
     return sum;
 }
 
-/* Returns P as the sum of the modes, without setting P to zero behind the exit. With transport
- * along the path (`path` not NULL) it is P of the base state plus the change that the filtered
- * modes describe. */
+/* Returns uncut P; with `path`, P of the base plus the change that the filtered modes describe. */
 static double uncut_pressure(const previous_film *self, const spline_point *along,
                              const spline_point *across, const film_splines *splines,
                              const path_films *path) {

@@ -67,8 +67,7 @@ static double film_at(const node_state *self, const double *z, size_t q, grid_po
     return film;
 }
 
-/* Computes pressure and film at a node of the cubature. Returns false if the node lies behind the
- * exit. */
+/* Returns false if the node lies behind the exit. */
 static bool expand_node(double *pressure, double *film, const node_state *self, const double *z,
                         size_t q) {
     const row_set *set = &self->model->cubature.nodes;
@@ -83,8 +82,8 @@ static bool expand_node(double *pressure, double *film, const node_state *self, 
 
 /* dP/dX at a node of the cubature, and its derivatives `by` with respect to the pressures at the
  * two neighbours along X. `beside`: indices of the neighbours in the cubature; NO_NODE: the
- * neighbour's pressure is zero. Only thinned flows need the gradient, because the gradient changes
- * their shear stress. Models of thinned flows therefore contain the neighbours. */
+ * neighbour's pressure is zero. Only thinned flows need the gradient, which changes their shear
+ * stress; their models contain the neighbours. */
 typedef struct node_gradient {
     double value;
     size_t beside[2];
@@ -117,16 +116,14 @@ static node_gradient gradient_at(const node_state *self, const double *z, size_t
     return gradient;
 }
 
-/* Checks whether a node of the cubature has a weight in the sums. Nodes that the cubature contains
- * only as neighbours of other nodes have none. */
+/* Checks whether a node of the cubature has a weight. Nodes that are only neighbours have none. */
 static bool has_weight(const node_cubature *cubature, size_t q) {
     return cubature->friction[q] != 0 || cubature->dry[q] != 0;
 }
 
 /* Returns the stress at a node before the exit, and updates the largest stress. Pressures slightly
- * below zero are used as they are: truncated modes have such pressures far out in the inlet, where
- * the pressures of the full model are slightly above zero. The properties of the fluid are the same
- * at both pressures. */
+ * below zero are used as they are: truncated modes have them far out in the inlet, where the full
+ * model has pressures slightly above zero and the same properties of the fluid. */
 static double stress_at(double *largest, const ehd_contact *contact, double pressure, double film,
                         double gradient) {
     const double stress = contact_shear_stress(contact, pressure, film, gradient);
@@ -135,12 +132,11 @@ static double stress_at(double *largest, const ehd_contact *contact, double pres
     return stress;
 }
 
-/* The largest shear stress is searched for at nodes whose pressure is at least this fraction of
- * the largest pressure. At other nodes the stress is smaller, because it falls with the pressure
- * more than it rises with a thinner film. The search uses the needed nodes, which are all nodes of
- * the selected rows' stencils. If the pressure gradient thins the flow, the stress also depends on
- * dP/dX. The search then uses only the nodes of the rows themselves, because only these have both
- * neighbours along X (romrun/solve/README.md, Traction). */
+/* The largest shear stress is searched for at nodes whose pressure is at least this fraction of the
+ * largest pressure. At other nodes the stress is smaller, because it falls with the pressure more
+ * than it rises with a thinner film. The search uses the needed nodes. If the pressure gradient
+ * thins the flow, it uses only the nodes of the rows themselves, because only these have both
+ * neighbours along X for dP/dX (romrun/solve/README.md, Traction). */
 static const double NEAR_LARGEST = 0.7;
 
 static void look_at_needed(double *largest, const node_state *self, const ehd_contact *contact) {
@@ -166,9 +162,9 @@ static void look_at_needed(double *largest, const node_state *self, const ehd_co
 
 /* The end of the pressurised zone on a grid line. */
 typedef struct line_end {
-    size_t node;     // last node with pressure
-    double weight;   // weight of the node in sums over the grid
-    double pressure; // pressure at the node
+    size_t node;   // last node with pressure
+    double weight; // weight of the node in sums over the grid
+    double pressure;
     double gradient; // dP/dX at the node; the next node has zero pressure
     double film[2];  // film at the node and at the next node
 } line_end;

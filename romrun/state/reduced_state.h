@@ -27,9 +27,8 @@ void reduced_state_free(reduced_state *state);
 void reduced_state_copy(reduced_state *target, const reduced_state *source,
                         const reduced_model *model);
 
-/* Return and set the exit line as nodes, [num_lines]. An exit outside of the model's band is moved
- * to the nearest column of the band. Training solutions without an exit have exits outside of the
- * band. */
+/* Return and set the exit line as nodes, [num_lines]. An exit outside of the model's band, as of a
+ * training solution without an exit, is moved to the nearest column of the band. */
 const size_t *reduced_state_exits(const reduced_state *state);
 void reduced_state_set_exits(reduced_state *state, const reduced_model *model, const size_t *exits);
 
@@ -46,7 +45,7 @@ typedef struct reduced_values {
     double *cut;       // [rows of the cut table] the checkpoint's cut table times z
 } reduced_values;
 
-/* Allocates the values of a state of a model. No checkpoint is set yet. Errors: EHD_MEMORY. */
+/* Allocates the arrays, which belong to no checkpoint until computed. Errors: EHD_MEMORY. */
 ehd_status reduced_values_init(reduced_values *values, const reduced_model *model,
                                ehd_error *error);
 void reduced_values_free(reduced_values *values);

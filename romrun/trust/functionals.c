@@ -17,8 +17,7 @@ enum { BLOCK = 32 }; // largest number of quantities whose errors are computed t
 /* Changes of a film by an error of 1 in each row. They are valid while gradient and matrix stay the
  * same, with kept factors often over many time steps. */
 typedef struct film_moves {
-    size_t matrix_number; // number of the kept matrix with which `moves` was computed; 0: `moves`
-                          // cannot be used again
+    size_t matrix_number; // number of the kept matrix of `moves`; 0: `moves` cannot be used again
     double *gradient;     // [num_unknowns]
     double *moves;        // [system_max_rows]
 } film_moves;
@@ -145,7 +144,6 @@ static void add_central_film(double *gradient, const node_state *nodes) {
             nodes_add_film_row(gradient, centre->weight[i], nodes, centre->index[i]);
 }
 
-/* Adds dP/dz at X = 0. */
 static void add_central_pressure(double *gradient, const node_state *nodes) {
     const centre_nodes *centre = &nodes->model->centre;
     const size_t num_pressure = nodes->model->num_pressure;

@@ -31,9 +31,8 @@ functionals *functionals_free(functionals *self);            // accepts and retu
  * NaN: no node has pressure. */
 double functionals_film_error(
     // output:
-    double *influence, // [rows of the model] change of the film by an error of 1 in a weighted row;
-                       // 0 for rows outside of the least squares. NULL: the caller does not need
-                       // it.
+    double *influence, // [rows of the model] change of the film by an error of 1 in a weighted row,
+                       // 0 outside of the least squares; NULL: not needed
     // in and out:
     functionals *self, reduced_solver *solver,
     // input:
@@ -52,11 +51,10 @@ reduced_errors functionals_other_errors(
     functionals *self, reduced_solver *solver,
     // input:
     const reduced_state *state, const ehd_contact *contact,
-    const double *added); // [rows of the model] squares of the residuals of control rows, added to
-                          // the square of the row's own residual
+    const double *added); // [rows of the model] squared residuals of the control rows near each row
 
-/* Returns the error of P at that node of a row at which P is largest. This takes a fraction of the
- * time of functionals_other_errors, which computes an error at the node of each row. */
+/* Returns the error of P at that node of a row at which P is largest, in a fraction of the time of
+ * functionals_other_errors. */
 double functionals_peak_error(functionals *self, reduced_solver *solver, const double *added);
 
 /* Returns the error of the friction of the last stationary solution, divided by the reference load.

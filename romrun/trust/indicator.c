@@ -17,18 +17,15 @@ struct indicator {
     double *pressure, *film; // [num_needed] at the needed nodes of the control rows
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
     far_field outer;         // far field at the boundary nodes among the needed nodes
-    double *band_pressure;   // [nodes of the band] P at the nodes between the exit and its
-                             // checkpoint
+    double *band_pressure;   // [nodes of the band] P between the exit and its checkpoint
     cut_run *runs;           // [num_lines]
     reynolds_row *rows;      // [num_rows] the control rows
     double *residual;        // [num_rows] residuals of the control rows, weighted
     double *influence;       // [rows of the model] influence of rows on a film
-    size_t *nearest;         // [num_rows] nearest row of the model with an influence, which is
-                             // taken as the influence of the control row
+    size_t *nearest;         // [num_rows] nearest row of the model with an influence
     size_t *nearest_of_all;  // [num_rows] nearest row of the model, even without influence
-    double *added; // [rows of the model] sum of the squared residuals of the control rows whose
-                   // nearest row this is
-    arena memory;  // memory of all arrays
+    double *added; // [rows of the model] squared residuals of the control rows near the row
+    arena memory;
 };
 
 indicator *indicator_free(indicator *self) {
@@ -138,9 +135,8 @@ const double *indicator_control_residuals(indicator *self, const reduced_state *
     return self->residual;
 }
 
-/* Returns the bound of the relative error of a film. self->influence must hold the influence of the
- * rows on this film. `own_rows`: change of the film that the residuals of the least squares
- * cause. */
+/* Returns the bound of the relative error of a film, on which self->influence is the influence of
+ * the rows. `own_rows`: change of the film by the residuals of the least squares. */
 static double bound(const indicator *self, double own_rows, double thickness) {
     double sum = own_rows * own_rows;
 

@@ -79,10 +79,8 @@ struct trained_range {
     // line: because of round-off their hull may then be a sliver that does not end
     point low, high;
     point extent;
-    double slack;     // distance outside of the hull that is accepted as inside, in units of
-                      // `extent`
+    double slack;     // distance outside of the hull accepted as inside, in units of `extent`
     frame_rates most; // largest trained rates of change
-    // limits of the thinning
     thinning_range by[NUM_THINNED];
     size_t num_points, num_outer;
     double *points; // [RANGE_AXES, num_points] training points, divided by the extents; NULL: all
@@ -182,9 +180,9 @@ static size_t farthest(const trained_range *self, const int direction[RANGE_AXES
 }
 
 /* Fills self->outer with the training points farthest out along the axes and the diagonals. A point
- * may occur several times. Checks first use the hull of these few points, because most places
- * inside of the range lie inside of this hull. A check with all points takes 293 thousand
- * instructions for a model of 188 states. Returns false without memory. */
+ * may occur several times. Most places inside of the range lie in the hull of these few points,
+ * which checks use first: a check with all points takes 293 thousand instructions for a model of
+ * 188 states. Returns false without memory. */
 static bool list_outer(trained_range *self) {
     size_t num = 1, count = 0;
 
@@ -390,8 +388,7 @@ double trained_range_outside(const trained_range *self, range_memory *memory, co
     trained_place(place, of);
     const double of_plane = outside_plane(self, place);
     if (!trained_range_check(self, memory, of, NULL)) return fmin(of_plane, 0);
-    // outside of the hull but inside of the box around it: converts the distance by the smaller
-    // extent
+    // inside of the box but outside of the hull: converts the distance by the smaller extent
     const double beside = fmin(self->extent.M, self->extent.pressure) * of_plane;
     return fmax(fmax(outside_box(self, place), beside), DBL_MIN);
 }

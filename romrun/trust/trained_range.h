@@ -36,10 +36,9 @@ range_memory *range_memory_free(range_memory *memory); // accepts and returns NU
 const char *trained_range_check(const trained_range *range, range_memory *memory,
                                 contact_place place, const frame_rates *rates);
 
-/* Returns how far outside of the range a contact lies. The solver compares the ranges of several
- * models by this number. For a contact inside, the number is minus its distance from the border,
- * relative to the extent of the range. For a contact outside, the number is its distance from the
- * range in the coordinates of trained_place. */
+/* Returns how far outside of the range a contact lies, for comparing the ranges of several models.
+ * Outside, the result is the distance from the range in the coordinates of trained_place. Inside,
+ * the result is minus the distance from the border, relative to the extent of the range. */
 double trained_range_outside(const trained_range *range, range_memory *memory, contact_place place);
 
 #endif

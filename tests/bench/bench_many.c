@@ -24,9 +24,8 @@ static const double STEP = 0.005, SWING = 0.1;
 static const double GOAL = 1.9;
 /* Least ratio of processor time to elapsed time on an idle machine. */
 static const double IDLE = 0.98;
-/* Largest number of times that threads may give up their processor voluntarily: at the end one
- * thread waits for the other. With a lock around each step, threads give up the processor 5 times
- * or more, although mostly the same thread takes the lock again. */
+/* Largest number of voluntary context switches: at the end one thread waits for the other. A lock
+ * around each step causes 5 or more, although mostly the same thread takes the lock again. */
 static const long MOST_WAITS = 2;
 enum { MOST_CONTACTS = 64 };
 
@@ -89,7 +88,6 @@ static long count_waits(void) {
     return used.ru_nvcsw;
 }
 
-/* Makes all steps in one thread or in two. */
 static spent run(const share *all, int num_threads) {
     const size_t half = num_threads == 2 ? all->count / 2 : 0;
     share first = *all, second = *all;
@@ -111,7 +109,6 @@ static spent run(const share *all, int num_threads) {
                    count_waits() - waits};
 }
 
-/* Keeps the least value of each measurement. */
 static void keep_least(spent *least, const spent *now) {
     least->wall = fmin(least->wall, now->wall);
     least->processor = fmin(least->processor, now->processor);

@@ -22,8 +22,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Makes one more iteration from the solution, and returns the relative change of the central
- * film. */
+/* Makes one more iteration; returns the relative change of the central film. */
 static double another_iteration(const reduced_state *solution, const reduced_info *info,
                                 const reduced_model *model, const ehd_contact *contact) {
     reduced_settings once = reduced_default_settings();
@@ -61,7 +60,6 @@ static void solve_once(reduced_state *state, const reduced_model *model, reduced
 
 enum { ALL, ROWS, LEAST_SQUARES, EXIT, OTHER, INDICATOR, NUM_PARTS };
 
-/* Solves once and stores the times as measurement i; returns the outcome. */
 static reduced_info measure(double *seconds[NUM_PARTS], size_t i, reduced_state *state,
                             const reduced_model *model, reduced_solver *solver, indicator *indicate,
                             const ehd_contact *contact) {

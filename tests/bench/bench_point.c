@@ -52,7 +52,6 @@ static cold_task task_of(size_t cells, double tolerance, size_t repeats) {
     return task;
 }
 
-/* Returns the film in Moes units. */
 static double in_moes(double film, const cold_task *task) {
     return film * pow(1.5 * task->contact.moes_M, 2. / 3);
 }

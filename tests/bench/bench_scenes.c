@@ -28,7 +28,6 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Measurements of all scenes. */
 typedef struct samples {
     double solve[MOST_SCENES], start[MOST_SCENES], deviation[MOST_SCENES]; // s, s, dimensionless
     double iterations, seconds;                                            // sums over all scenes

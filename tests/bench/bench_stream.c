@@ -189,8 +189,7 @@ static bases_plan plan_of(const snapshot_set *files, const task *work) {
     return found;
 }
 
-/* Computes the modes without the coordinates of the snapshots. The file of snapshots is read
- * once. */
+/* Computes the modes, not the coordinates of the snapshots; reads the file once. */
 static void find_modes(void *result, const void *context) {
     const task *work = context;
     outcome *own = result;
@@ -219,7 +218,7 @@ static void find_modes(void *result, const void *context) {
     snapshot_set_close(&files);
 }
 
-/* Computes the modes and the coordinates of the snapshots. The file of snapshots is read twice. */
+/* Computes the modes and the coordinates of the snapshots; reads the file twice. */
 static void build_bases(void *result, const void *context) {
     const task *work = context;
     const program silent = {.name = "bench_stream", .quiet = true};

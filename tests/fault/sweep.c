@@ -117,8 +117,7 @@ static void read_log(outcome *result) {
     }
 }
 
-/* Runs the command with the fault at `call`. If `call` is 0, calls are counted without a fault; if
- * it is -1, the library is left out. */
+/* Runs the command with the fault at `call`; 0: only counts calls; -1: without the library. */
 static outcome run(char **arguments, long call) {
     outcome result = {0};
     const int log = open("sweep.log", O_WRONLY | O_CREAT | O_TRUNC, 0666);
@@ -327,8 +326,7 @@ static void clean(void) {
     unlink(draft);
 }
 
-/* Sets the time of a file to 1970, so that it seems to be written before the machine was
- * started. */
+/* Sets the time of a file to 1970, so that the file seems older than the machine's start. */
 static void let_be_of_long_ago(const char *path) {
     const struct timespec times[2] = {{.tv_sec = 0}, {.tv_sec = 0}};
     utimensat(AT_FDCWD, path, times, 0);
@@ -342,8 +340,7 @@ static void name_files(void) {
     snprintf(draft, sizeof draft, "%s.unchecked", output);
 }
 
-/* Kills runs and their continuations until `kills` kills have been made. Returns 1 if a run was
- * wrong. */
+/* Kills runs and their continuations `kills` times; returns 1 if a run was wrong. */
 static int kill_often(long kills, const outcome *without) {
     long num_kills = 0, num_runs = 0, num_wrong = 0;
 

@@ -214,7 +214,6 @@ static void edit_shape(const edited *self) {
     remake(self, self->words[1], (int)self->num_words - 2, lengths, NULL, -1, -1);
 }
 
-/* Gives the dataset another length along its i-th axis. */
 static void set_length(const edited *self, const char *name, int i, hsize_t length) {
     dataset found;
     if (!dataset_read(&found, self, name)) return;

@@ -77,8 +77,7 @@ int nanosleep(const struct timespec *wanted, struct timespec *left) {
     return 0;
 }
 
-/* Advances the monotonic clock at each reading. Actions that depend on the clock, such as restart
- * slots, thus also happen in short runs. */
+/* Advances the monotonic clock at each reading, so that short runs also write restart slots. */
 int clock_gettime(clockid_t clock, struct timespec *now) {
     const double step = 0.2;
     static double seconds = 1;
@@ -185,8 +184,7 @@ static void meet_others(const interrupted *of, const char *bytes, size_t length)
         fuzz_complain("podbuild --print", code, "a code that no file must lead to", fuzz_said());
 }
 
-/* Resumes from the file. The file must be refused, or the result must equal the result without a
- * flip. */
+/* Resumes from the file: it must be refused, or give the result of a file without a flip. */
 static void meet(const interrupted *of, const char *bytes, size_t length, const char *digest) {
     char command[256], found[1 << 13];
     snprintf(command, sizeof command, "%s --resume", of->command);

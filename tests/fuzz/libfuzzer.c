@@ -26,8 +26,7 @@ int __wrap_strcmp(const char *a, const char *b) {
     return (unsigned char)*a - (unsigned char)*b;
 }
 
-/* Limits an allocation to 512 MB. Larger allocations are refused, as on a system without enough
- * memory. */
+/* Refuses allocations of more than 512 MB, as a system without enough memory does. */
 const char *__asan_default_options(void) {
     return "allocator_may_return_null=1:max_allocation_size_mb=512:quarantine_size_mb=32:malloc_"
            "context_size=10:detect_stack_use_after_return=0";
@@ -172,8 +171,7 @@ static const char *any_text(void) {
     return below(4) ? one_of(texts) : any_number();
 }
 
-/* Generates an edit of a flat model. Blocks are chosen by their index; most blocks hold one
- * number. */
+/* Generates an edit of a flat model. Most blocks hold one number. */
 static int make_flat_line(char *line, size_t room) {
     const char *word = one_of(flat_edit_words);
     const unsigned block = below(64), index = below(2) ? below(200) : 0;

@@ -234,8 +234,7 @@ static ehd_status read_scene(const char *bytes, size_t length, ehd_error *error)
     return EHD_OK;
 }
 
-/* Reads a plan. The text of an accepted plan must be readable and give the same number of
- * points. */
+/* Reads a plan. The text of an accepted plan must give the same number of points. */
 static ehd_status read_plan(const char *bytes, size_t length, ehd_error *error) {
     plan read = {0}, again = {0};
     ehd_status status = plan_read(&read, "work.yml", NULL, 0, error);
@@ -249,8 +248,7 @@ static ehd_status read_plan(const char *bytes, size_t length, ehd_error *error) 
     return status;
 }
 
-/* Reads a transient scene with a table of the load. The scene itself is read only at the first
- * call. */
+/* Reads a transient scene with a table of the load; reads the scene itself only once. */
 static ehd_status read_history(scene *given, const char *path, ehd_error *error) {
     ehd_histories *histories = NULL;
     double values[NUM_VARY];

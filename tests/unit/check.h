@@ -13,16 +13,14 @@
 #include <cmocka.h>
 #include <stdbool.h>
 
-/* Returns true if a test shall run all cases (`make check-all`), false if only a few
- * (`make check`). */
+/* Returns whether a test runs all cases (`make check-all`) or only a few (`make check`). */
 bool check_all(void);
 
 /* Returns true if |actual - expected| <= absolute + relative * |expected|. Returns false if any
  * argument is NaN. An infinity is close only to itself. */
 bool is_close(double actual, double expected, double relative, double absolute);
 
-/* Fails the running test unless is_close returns true. The message contains the values and the
- * limit. */
+/* Fails the test unless is_close returns true. The message contains the values and the limit. */
 #define check_close(actual, expected, relative, absolute)                                          \
     check_close_at(actual, expected, relative, absolute, #actual, __FILE__, __LINE__)
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Solves the linear systems of Newton's method by LAPACK with a full matrix. This is the reference
- * for the solutions and the speed of the iterative solver. To use it, set
- * full_settings.solve_linear to dense_solve. */
+/* Solves the linear systems of Newton's method by LAPACK with a full matrix, as a reference for the
+ * iterative solver. To use it, set full_settings.solve_linear to dense_solve. */
 #ifndef EHD_DENSE_H
 #define EHD_DENSE_H
 

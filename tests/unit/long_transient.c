@@ -15,8 +15,7 @@ static void run_paper(marched *self, double step, const char *transient) {
     marched_all(self, &of);
 }
 
-/* Compares runs with the default tolerance and with a tenth of this tolerance. The central films
- * differ by less than 0.2 % at all times. */
+/* With a tenth of the default tolerance, the central film changes by less than 0.2 %. */
 static void default_tolerance_is_enough(void **state) {
     static const double periods[] = {0.5, 1, 2};
     (void)state;
@@ -61,8 +60,7 @@ static void large_amplitudes_are_completed(void **state) {
         }
 }
 
-/* If the time steps are halved, the differences fall to a quarter, also with the parameters of the
- * paper. */
+/* With halved time steps the differences fall to a quarter, also with the paper's parameters. */
 static void fine_grid_is_of_second_order(void **state) {
     static const double steps[] = {0.02, 0.01, 0.005, 0.0025};
     double film[4];

@@ -72,8 +72,7 @@ double row_size(const reynolds_row *row) {
     return largest;
 }
 
-/* Compares single calls of both linear solvers, because each step must agree, and not only the
- * final solution. */
+/* Compares the linear solvers in each call: each step must agree, not only the final solution. */
 ehd_status compare_linear_solvers(full_system *system, double tolerance, size_t *iterations,
                                   ehd_error *error) {
     size_t n = system->grid->num_nodes;

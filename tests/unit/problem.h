@@ -25,8 +25,7 @@ void problem_rows_in_time(reynolds_row *rows, const problem *solved,
                           const reynolds_squeeze *squeeze);
 double row_size(const reynolds_row *row);
 
-/* A linear solver that computes each step twice, by GMRES and by dgesv, and checks that both steps
- * agree. */
+/* A linear solver that computes each step by GMRES and by dgesv, and checks that both agree. */
 full_linear_solver compare_linear_solvers;
 
 #endif

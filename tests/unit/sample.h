@@ -19,9 +19,8 @@ scene sample_scene(const char *lubricant, const char *density, double moes_M, do
 ehd_contact sample_contact(const char *lubricant, const char *density, double moes_M, double moes_L,
                            double step);
 
-/* Returns the point contact of sample_scene on the domain of Venner and Lubrecht, X in -4.5 … 1.5,
- * Y in -3 … 3. The ends of the domain are boundary nodes. `cells` is the even number of cells in
- * each direction. */
+/* Returns the point contact of sample_scene on the domain of Venner and Lubrecht: X in -4.5 … 1.5,
+ * Y in -3 … 3, with nodes on the boundary. `cells`: even number of cells in each direction. */
 ehd_contact sample_point(const char *lubricant, const char *density, double moes_M, double moes_L,
                          size_t cells, bool half);
 
@@ -29,8 +28,7 @@ ehd_contact sample_point(const char *lubricant, const char *density, double moes
  * its grid. */
 ehd_contact sample_published(ehd_contact contact);
 
-/* Line contacts under light and heavy loads, with all laws. Each contact has a grid that is as
- * coarse as the contact allows. */
+/* Line contacts under light and heavy loads, with all laws, on grids as coarse as possible. */
 enum { NUM_SAMPLE_CASES = 10 };
 ehd_contact sample_case(int i);
 

@@ -153,8 +153,7 @@ static ehd_status count(void *sink, const march_step *step, size_t index, ehd_er
     return EHD_OK;
 }
 
-/* The approach is a cosine, without kinks. The bodies touch during a fifth of each of the eight
- * periods. */
+/* The approach is a cosine. The bodies touch during a fifth of each of the eight periods. */
 static void no_contact_is_missed(void **state) {
     (void)state;
     scene given;
@@ -309,8 +308,7 @@ static void steps_in_which_bodies_part_or_touch_are_short(void **state) {
     assert_true(step_to(0.1, 0, NAN).apart);
 }
 
-/* The state of the solver is saved together with the state of the bodies. If a start fails, the
- * bodies stay apart. */
+/* The solver's state is saved with the state of the bodies. If a start fails, bodies stay apart. */
 static void a_state_apart_is_saved(void **state) {
     (void)state;
     scene given;

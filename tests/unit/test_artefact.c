@@ -259,8 +259,7 @@ static void round_trip(void **state) {
     artefact_close(&file);
 }
 
-/* Copies the file under test to `name` and returns the content of the copy. This content begins
- * with the copy's own provenance. */
+/* Copies the file to `name`. Returns the copy's content, which begins with its own provenance. */
 static char *copied_content(const char *name, const char *const *except_axes) {
     artefact *from = reopen(), *to = NULL;
 
@@ -817,8 +816,7 @@ static void fuzz_file(size_t step) {
     free(whole_content);
 }
 
-/* Returns the step between flipped bytes. Flipping all bytes takes a minute, so by default only
- * some are flipped. */
+/* Flipping all bytes takes a minute, so by default only some are flipped. */
 static size_t fuzz_stride(void) {
     const char *stride = getenv("EHD_FUZZ_STRIDE");
     if (stride) return strtoul(stride, NULL, 10);
@@ -1074,8 +1072,7 @@ static void damage_partial(double number) {
     free(bytes);
 }
 
-/* Unfinished entries of a killed run may be partly written. Finished entries are checked one by
- * one. */
+/* Unfinished entries of a killed run may be partly written; each finished entry is checked. */
 static void resume_refuses_damage(void **state) {
     (void)state;
     artefact *file = NULL;
@@ -1111,8 +1108,7 @@ static void resume_checks_inputs(void **state) {
     check_ok(artefact_resume(&file, path, &schema_snapshots, &caller, "same", &error));
     check_ok(artefact_check_input(file, "table", one, &error));
     check_ok(artefact_check_input(file, "table", other, &error));
-    // two inputs with exchanged contents are refused; a copy of an input under another name is
-    // accepted
+    // exchanged contents of two inputs are refused; a copy under another name is accepted
     spill(one, "abcd", 4);
     spill(other, "abc", 3);
     spill(third, "abcd", 4);
@@ -1275,8 +1271,7 @@ static void misuse_of_growth_is_internal(void **state) {
 
 // ---- files and tools of other programs
 
-/* A script that writes the least content of a file as another program may write it: with other
- * types and layouts. */
+/* A script that writes a minimal file like another program, with other types and layouts. */
 static const char foreign[] =
     "import h5py, numpy, sys\n"
     "with h5py.File(sys.argv[1], 'w') as f:\n"

@@ -19,8 +19,7 @@ static double power(double time, size_t exponent) {
 
 // ---- formula
 
-/* The formula is exact for polynomials up to its order, and not for polynomials of higher
- * degree. */
+/* The formula is exact for polynomials up to its order, and not for higher degrees. */
 static void formula_is_exact_to_its_order(void **state) {
     (void)state;
     for (size_t s = 0; s < NUM_STEPS; s++)
@@ -62,10 +61,9 @@ static void predictor_is_exact_to_its_degree(void **state) {
         }
 }
 
-/* If the previous states are exact, the solution of dy/dT = given has only the local error. The
- * test takes the lowest power of T that the formula does not solve exactly. For this power,
- * formula.error times the difference between exact solution and prediction is exactly the local
- * error. */
+/* If the previous states are exact, the solution of dy/dT = given has only the local error. For the
+ * lowest power of T that the formula does not solve exactly, this error is exactly formula.error
+ * times the difference between exact solution and prediction. */
 static void error_is_that_of_the_next_power(void **state) {
     (void)state;
     for (size_t s = 0; s < NUM_STEPS; s++)
@@ -123,8 +121,7 @@ static void a_step_much_longer_than_the_last_is_of_lower_order(void **state) {
     }
 }
 
-/* States 1e-7 apart in time have errors of 1e-9. The error after a step of 0.1 must also be about
- * 1e-9. */
+/* States 1e-7 apart in time have errors of 1e-9. A step of 0.1 must not amplify these errors. */
 static void a_short_step_does_not_enlarge_what_states_are_off(void **state) {
     (void)state;
     const double off = 1e-9, values[BDF_PREVIOUS] = {1 + off, 1 - off, 1};

@@ -108,8 +108,7 @@ static size_t count_chosen(const bool *chosen, size_t length) {
     return count;
 }
 
-/* A grid of three by two points has seven edges and two cells. The middles of all edges and cells
- * are new scenes. */
+/* A grid of three by two points has seven edges and two cells, whose middles are new scenes. */
 static void test_grid(void **state) {
     sample grid = {0};
     (void)state;
@@ -205,8 +204,7 @@ static void test_trajectories(void **state) {
     free_sample(&moved);
 }
 
-/* The points 0 … 8 are equidistant in ln M. They are chosen in the order first, last, middle,
- * quarters. */
+/* The points 0 … 8 are equidistant in ln M. The order is first, last, middle, quarters. */
 static void test_spread(void **state) {
     sample line = {0};
     bool chosen[11];

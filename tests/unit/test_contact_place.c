@@ -22,8 +22,8 @@ static double thinning_of(double slide_roll, double stress) {
     return contact_place_of(&contact).thinning.sliding;
 }
 
-/* tau_N/tau0 = (lambda U/12) (a/R) S eta/H (p_H/tau0) at eta = H = 1. The sign of the sliding does
- * not matter. */
+/* The thinning is tau_N/tau0 = (lambda U/12) (a/R) S eta/H (p_H/tau0) at eta = H = 1. The sign of
+ * the sliding S does not matter. */
 static void thinning_is_a_ratio_of_stresses(void **state) {
     const ehd_contact contact = sliding_contact(0.3, 0.01);
     const double found = thinning_of(0.3, 0.01);

@@ -27,15 +27,13 @@ static double line_influence(double x, void *parameters) {
     return -log(x * x) / (2 * M_PI);
 }
 
-/* Returns the integral of 1/r along x over a cell, at the distance y. integral_over_cell then
- * integrates over y. */
+/* Returns the integral of 1/r along x over a cell, at the distance y, for integral_over_cell. */
 static double strip(double y, void *parameters) {
     const double *ends = parameters;
     return 2 / (M_PI * M_PI) * (asinh(ends[1] / fabs(y)) - asinh(ends[0] / fabs(y)));
 }
 
-/* Integrates the influence over the cell whose middle is `centre`. The influence may be singular at
- * zero. */
+/* Integrates an influence, which may be singular at zero, over the cell around `centre`. */
 static double integral_over_cell(const gsl_function *influence, double centre, double step) {
     gsl_integration_workspace *workspace = gsl_integration_workspace_alloc(500);
     const double begin = centre - step / 2, end = centre + step / 2;
@@ -139,8 +137,7 @@ static void fft_equals_direct_sum(void **state) {
 
 // ---- the pressure of Hertz
 
-/* Returns the deflection [num_nodes] under the pressure sqrt(1 - r^2). For lines and for points r^2
- * is twice the gap. */
+/* Returns the deflection [num_nodes] under the pressure sqrt(1 - r^2); r^2 is twice the gap. */
 static double *hertz_deflection(const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
     ehd_deflection *deflection = deflection_create(contact->kind, grid);
@@ -154,9 +151,8 @@ static double *hertz_deflection(const ehd_contact *contact) {
     return values;
 }
 
-/* Compares the film with the film of the dry contact: zero inside, (|X| sqrt(X^2-1) -
- * ln(|X| + sqrt(X^2-1)))/2 outside, with Delta(0) = 1/4 + ln(2)/2. Returns the largest
- * deviation. */
+/* Returns the film's largest deviation from the dry contact: zero inside, (|X| sqrt(X^2-1) - ln(|X|
+ * + sqrt(X^2-1)))/2 outside, with Delta(0) = 1/4 + ln(2)/2. */
 static double line_deviation(double step) {
     const ehd_contact contact = line_contact(step);
     double *values = hertz_deflection(&contact), worst = 0;
@@ -206,8 +202,7 @@ static void hertz_pressure_deflects_a_point_as_hertz(void **state) {
 
 // ---- order of convergence, threads and faults
 
-/* Returns the error of the deflection at the centre under the smooth pressure (1 - R^2)^3, whose
- * integral is known. */
+/* Returns the error of the central deflection under (1 - R^2)^3, whose integral is known. */
 static double error_of_smooth(ehd_contact contact, ehd_discretization discretization,
                               double expected) {
     contact.grid.discretization = discretization;
@@ -251,8 +246,7 @@ static void order_of_the_deflection(void **state) {
     }
 }
 
-/* Threads share the lines and columns of the grid. The result has the same bits with any number of
- * threads, on coarse and fine grids. */
+/* On coarse and fine grids, any number of threads gives the same bits. */
 static void threads_deflect_to_the_same_bits(void **state) {
     (void)state;
     for (size_t cells = 8; cells <= 128; cells *= 4)

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The elliptical contact. Its shape is compared with integrals and published formulas, and its
- * parameters with the dimensional contact. Under Hertz pressure the gap of the contact is
- * constant. */
+/* Compares the shape of the elliptical contact with integrals and published formulas, its
+ * parameters with the dimensional contact, and its gap under Hertz pressure with a constant. */
 #include "common/physics/deflection.h"
 #include "common/physics/grid_choice.h"
 #include "common/physics/reynolds.h"
@@ -20,8 +19,7 @@ enum { NUM_RATIOS = sizeof ratios / sizeof *ratios };
 
 // ---- the shape
 
-/* Returns the integrand of A with t = s^2/(1 - s)^2 (common/physics/README.md). The next function
- * returns the integrand of B. */
+/* Return the integrands of A and B with t = s^2/(1 - s)^2 (common/physics/README.md). */
 static double along(double s, void *parameters) {
     const double k2 = pow(*(double *)parameters, 2), root = s / (1 - s), t = root * root;
     return 2 / (pow(1 + t, 1.5) * sqrt(k2 + t)) / ((1 - s) * (1 - s));
@@ -55,8 +53,7 @@ static void shapes_are_those_of_the_integrals(void **state) {
         check_close(ellipse_radius_ratio(k), A / B, 1e-11, 0);
         check_close(ellipse_ellipticity(ellipse_radius_ratio(k)), k, 1e-13, 0);
     }
-    // the shape of a circle is exact to the last bit, also if its ellipticity is computed from the
-    // ratio of the radii
+    // a circle is exact to the last bit, also with the ellipticity computed from the radii
     const contact_shape circle = shape_of(ellipse_ellipticity(1));
     assert_memory_equal(&circle, &shape_round, sizeof circle);
 }
@@ -133,8 +130,7 @@ static void numbers_are_those_of_the_dimensional_contact(void **state) {
         check_close(contact.alpha_p_H, 2e-8 * p_H, 1e-12, 0);
         check_close(shape->gap_across, radius * b * b / (radius_across * a * a), 1e-12, 0);
         check_close(contact.kind->moes_M(shape, contact.lambda), contact.moes_M, 1e-12, 0);
-        // the coefficient of the deflection, 2 p_H b R_x/(pi E' a^2), computed from the influence
-        // of a distant cell
+        // the influence of a distant cell gives the deflection's factor 2 p_H b R_x/(pi E' a^2)
         check_close(contact.kind->kernel(shape, 80, 0, 0.1) / (0.01 * shape->cell / 80),
                     2 * p_H * b * radius / (M_PI * 2.2e11 * a * a), 1e-6, 0);
         // the same contact turned by 90 degrees: the semi-axes are exchanged
@@ -145,7 +141,6 @@ static void numbers_are_those_of_the_dimensional_contact(void **state) {
     }
 }
 
-/* A scene in Moes numbers gives the same contact as the physical scene. */
 static void moes_numbers_give_the_same_contact(void **state) {
     (void)state;
     const ehd_contact physical = physical_contact(0.01, 0.03);
@@ -187,8 +182,7 @@ static void default_grid_knows_the_sides(void **state) {
 
 // ---- the kernel
 
-/* Returns the integral of 1/r along x over a cell, at Y = y. integral_over_cell then integrates
- * over Y. */
+/* Returns the integral of 1/r along x over a cell, at Y = y, for integral_over_cell. */
 static double strip(double y, void *parameters) {
     const double *cell = parameters; // ends of the cell, k
     return asinh(cell[1] / fabs(cell[2] * y)) - asinh(cell[0] / fabs(cell[2] * y));
@@ -240,9 +234,8 @@ static ehd_contact ellipse_on(double k, size_t cells) {
     return contact;
 }
 
-/* Computes the largest deviations of gap plus deflection. `inside`: deviation from the value at the
- * centre, inside the ellipse. `outside`: deviation from the dry gap, outside the ellipse on Y =
- * 0. */
+/* Computes the largest deviations of gap plus deflection: `inside` the ellipse from the value at
+ * the centre, `outside` the ellipse on Y = 0 from the dry gap. */
 static void deviations_under_hertz(double *inside, double *outside, double k, size_t cells) {
     const ehd_contact contact = ellipse_on(k, cells);
     const ehd_grid *grid = &contact.grid;
@@ -300,8 +293,7 @@ static void dry_gap_opens_from_the_edge(void **state) {
 
 // ---- the rows
 
-/* For ellipticity b/a the flow across has the factor (a/b)^2. Its term contains the grid step
- * across instead of the grid step along. */
+/* With ellipticity b/a, the flow across has the factor (a/b)^2 and uses the grid step across. */
 static void flow_across_has_its_factor(void **state) {
     (void)state;
     const double k = 2.5;

@@ -55,8 +55,7 @@ static exit_cell cell_of(small_exit *small) {
     return cell;
 }
 
-/* Moves the exit to the place where the film without pressure carries the flux. Returns the exit
- * cell at this place. */
+/* Moves the exit to where the film without pressure carries the flux. Returns this exit cell. */
 static exit_cell settled_cell(small_exit *small) {
     exit_cell cell = cell_of(small);
 
@@ -118,8 +117,7 @@ static void the_cell_s_derivatives_are_those_of_its_residual(void **state) {
     }
 }
 
-/* Finds the value of *pressure, one of the pressures of `small`, at which `function` is zero. Uses
- * the secant method. */
+/* Sets *pressure, one of the pressures of `small`, to a zero of `function` (secant method). */
 static void solve_for(double *pressure, double (*function)(small_exit *small), small_exit *small) {
     double last = *pressure, before = function(small), now;
 
@@ -139,9 +137,8 @@ static double what_flows_before_the_last(small_exit *small) {
     return flux_before(small, LAST) - 0.8 * small->film[LAST + 1];
 }
 
-/* If the exit is at the next node and the fluxes satisfy the Reynolds rows, the equations of the
- * cell with offset 1 are also satisfied exactly. Therefore the solution does not jump when the exit
- * passes a node. */
+/* If the exit is at the next node, fluxes that satisfy the Reynolds rows also satisfy the equations
+ * of the cell with offset 1. So the solution does not jump when the exit passes a node. */
 static void at_a_node_the_cell_s_equations_are_the_rows(void **state) {
     small_exit small;
     (void)state;

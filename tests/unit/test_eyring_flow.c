@@ -12,9 +12,8 @@ typedef struct profile {
     double middle, along, across;
 } profile;
 
-/* Integrates sliding and flow over the film by the midpoint rule. The stress at z is
- * (middle[0] + x z, middle[1] + y z). The fluid shears at the rate sinh(stress) in the direction of
- * the stress. profile_of chooses the stress so that there is no sliding across. */
+/* Integrates sliding and flow over the film by the midpoint rule. The stress at z is (middle[0] + x
+ * z, middle[1] + y z). The fluid shears at the rate sinh(stress) in its direction. */
 enum { SLID, SLID_ACROSS, FLOW, FLOW_ACROSS, NUM_SUMS };
 
 static void integrate(double sums[NUM_SUMS], const double middle[2], double x, double y) {
@@ -35,9 +34,8 @@ static void integrate(double sums[NUM_SUMS], const double middle[2], double x, d
     }
 }
 
-/* Returns the profile for a rate of sliding and two gradients. An outer bisection finds the stress
- * in the middle along the sliding. An inner bisection finds the stress across at which nothing
- * slides to the side. */
+/* Returns the profile for a rate of sliding and two gradients, by bisection for the stress along
+ * the sliding and, inside, for the stress across at which nothing slides to the side. */
 static profile profile_of(double rate, double sigma_x, double sigma_y) {
     const double x = 2 * sigma_x, y = 2 * sigma_y;
     const double most = asinh(rate) + sigma_x + sigma_y;
@@ -57,8 +55,7 @@ static profile profile_of(double rate, double sigma_x, double sigma_y) {
     return (profile){middle[0], 12 * sums[FLOW] / x, 12 * sums[FLOW_ACROSS] / y};
 }
 
-/* If the gradient is along the sliding, the flow factor and the stress in the middle of the film
- * are exact for any gradient. */
+/* With a gradient along the sliding, the flow factor and the stress in the middle are exact. */
 static void along_the_sliding_the_factor_is_exact(void **state) {
     (void)state;
     for (double sigma = 0.01; sigma < 30; sigma *= 2)
@@ -89,8 +86,7 @@ static void across_the_sliding_the_factor_is_near(void **state) {
     }
 }
 
-/* For the flow in one direction, the rows of point contacts neglect the pressure gradient in the
- * other direction. EYRING_DOUBT bounds this error. */
+/* Point contacts neglect the gradient across each flow. EYRING_DOUBT bounds this error. */
 static void doubt_is_a_bound(void **state) {
     (void)state;
     for (double x = 0.1; x < 3.1; x *= 3)

@@ -103,8 +103,7 @@ static void from_a_reduced_solution(void **state) {
     }
 }
 
-/* If it starts from a good reduced solution, the full model takes two Newton iterations. Each
- * repetition takes the same number. */
+/* From a good reduced solution the full model takes two Newton iterations in each repetition. */
 static void from_a_good_solution_it_takes_little(void **state) {
     (void)state;
     ehd_contact contact = training.contacts[4];
@@ -131,8 +130,7 @@ static void of_a_point_contact(void **state) {
     solved_free(&run);
 }
 
-/* The full model starts cold if the reduced solution did not converge, or if its approach is
- * not finite. */
+/* The full model starts cold if the reduced solution did not converge or has no finite approach. */
 static void it_starts_cold_where_there_is_no_solution_to_start_from(void **state) {
     (void)state;
     ehd_contact contact = training.contacts[4];

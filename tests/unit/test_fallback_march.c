@@ -30,8 +30,7 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* A march and its results at each step. `both` is the march by full and reduced model; NULL: the
- * full model runs alone. */
+/* A march and its results at each step. If `both` is NULL, the full model runs alone. */
 typedef struct run {
     marching reduced;
     parts_march *parts; // its only part is the march of `reduced`
@@ -44,8 +43,7 @@ typedef struct run {
     bool by_full_model[NUM_STEPS + 1];
 } run;
 
-/* Returns a load that leaves the trained range, comes back and leaves the range again. With a phase
- * of pi/2 the load starts outside of the range. */
+/* Returns a load that leaves the trained range twice; with a phase of pi/2 it starts outside. */
 static double load_at(size_t i, double phase) {
     return 1 + 0.15 * sin(2 * M_PI * (double)i * STEP + phase);
 }
@@ -140,8 +138,7 @@ static void check_turns(const ehd_contact *contact, const reduced_basis *basis, 
     assert_true(both->by_full_model[NUM_STEPS]);
     check_close_array(both->film, full->film, NUM_STEPS + 1, tolerance, 0);
     if (contact->transport == TRANSPORT_PATH && contact->kind->dimensions == 1) {
-        // the full model accumulates errors along the path; later the reduced model reports these
-        // errors
+        // the reduced model later reports the errors that the full model accumulated
         check_close(both->effect[36], full->effect[36], 0.15, 0);
         check_close_array(both->effect + 60, full->effect + 60, NUM_STEPS - 59, 0.15, 0);
     }
@@ -188,8 +185,7 @@ static void of_a_point_contact(void **state) {
     reduced_basis_free(&nodes);
 }
 
-/* Saves a march after steps of either model, and restores it into another object. The restored
- * march continues with the same bits. */
+/* A march that is saved after steps of either model and restored continues with the same bits. */
 static void saved_and_restored(void **state) {
     (void)state;
     reduced_basis nodes =
@@ -232,8 +228,7 @@ static void saved_and_restored(void **state) {
     reduced_basis_free(&nodes);
 }
 
-/* A start outside of the training is computed by the full model; the reduced model takes over
- * later. */
+/* The full model computes a start outside of the training; the reduced model takes over later. */
 static void a_start_by_the_full_model(void **state) {
     (void)state;
     reduced_basis nodes =
@@ -305,17 +300,15 @@ static void where_the_reduced_model_does_not_converge(void **state) {
     }
     assert_false(both->by_full_model[3]);
     assert_int_equal(fallback_march_share(both->both).full_steps, NUM_STEPS - 3);
-    // the reduced model is tried after 0, 1, 3, 7, … full steps, if these steps are in the trained
-    // range
+    // the reduced model is tried after 0, 1, 3, 7, … full steps in the trained range
     assert_in_range(tries, 3, 7);
     run_free(both);
     free(both);
     reduced_basis_free(&nodes);
 }
 
-/* Rejected attempts cost iterations. If they have cost more iterations than all accepted steps, the
- * full model takes the steps. It does so until the accepted steps, including its own steps, have
- * more iterations than the rejected attempts again. */
+/* While rejected attempts have cost more iterations than the accepted steps, the full model takes
+ * the steps. Its own steps count as accepted. */
 static void iterations_in_vain_are_limited(void **state) {
     (void)state;
     reduced_basis nodes =

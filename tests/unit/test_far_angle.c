@@ -41,9 +41,8 @@ static void solves_its_equation(void **state) {
     }
 }
 
-/* Nothing flows through Y = 0 or behind the exit. The integral of the equation is therefore the
- * flow that enters through a circle in front of the contact. This integral tests the whole solution
- * more accurately than finite differences do. */
+/* Nothing flows through Y = 0 or behind the exit, so the integral of the equation is the flow
+ * through a circle in front of the contact. This test is more accurate than finite differences. */
 static void keeps_the_flow(void **state) {
     (void)state;
     const int num = 4000;
@@ -55,8 +54,7 @@ static void keeps_the_flow(void **state) {
             const double phi = of->exit * (i + 0.5) / num;
             sum += 9 * pow(far_angle_rise(of, phi), 3) * far_angle_shape(of, phi);
         }
-        // the closed form takes a tanh as 1 (far_angle.h), so its slope S' at the exit is 2e-5 of
-        // its rise instead of 0
+        // the closed form takes a tanh as 1 (far_angle.h), so S' at the exit is 2e-5 of its rise
         check_close(sum * of->exit / num, 8 * sin(of->exit), of->ratio == 1 ? 1e-5 : 1e-6, 0);
     }
 }

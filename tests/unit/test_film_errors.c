@@ -25,8 +25,7 @@ static void go_on(const contact_frame *then, const contact_frame *now, double en
     film_errors_keep(&errors);
 }
 
-/* An error enters while the path grows from 0 to 0.3. The fluid carries the error along. Elsewhere
- * in the film the error is zero. */
+/* An error that enters while the path grows from 0 to 0.3 moves with the fluid. */
 static void an_error_goes_with_the_fluid(void **state) {
     (void)state;
     const double last = 0.3, smooth = 0.06; // `smooth`: splines smooth the ends of the error
@@ -59,8 +58,7 @@ static void no_bound_is_negative(void **state) {
     }
 }
 
-/* Film thickness is scaled by a^2/R, so in a contact that is twice as wide an error is a quarter as
- * large. */
+/* Films are scaled by a^2/R, so an error is a quarter as large in a contact twice as wide. */
 static void an_error_stays_where_the_frame_changes(void **state) {
     (void)state;
     const contact_frame narrow = frame_after(0, 1), wide = frame_after(0, 4);

@@ -235,8 +235,7 @@ static void a_circle_is_an_ellipse(void **unused) {
                         0);
 }
 
-/* Compares the formula with each asymptote (Nijenbanning et al. 1994) where the asymptote
- * dominates. */
+/* Compares the formula with each asymptote where it dominates (Nijenbanning et al. 1994). */
 static void nijenbanning_goes_to_its_asymptotes(void **unused) {
     (void)unused;
 
@@ -285,16 +284,14 @@ static void films_of_an_ellipse(void **unused) {
     check_close(1.03 * pow(n.radius_ratio, 0.64), 3, 0.01, 0);
 }
 
-/* The middle of a slender ellipse is a line contact of equal Hertz pressure, R_x, speed and
- * lubricant. */
+/* The middle of a slender ellipse is a line contact of equal p_H, R_x, speed and lubricant. */
 static void slender_ellipses_are_lines(void **unused) {
     (void)unused;
 
     for (double moes_M = 200; moes_M < 2000; moes_M *= 5)
         for (double k = 4; k < 50; k *= 1.5) {
             const film_numbers n = ellipse(k, moes_M, 10);
-            // p_H = 3w/(2 pi a b); a line contact has p_H = E' a/(4 R), where a is its own half
-            // width
+            // p_H = 3w/(2 pi a b); for a line p_H = E' a/(4 R) with its own half width a
             const double ratio = 3 * n.load / (2 * M_PI * k * n.half_width * n.half_width);
             const double line_load = 2 * M_PI * ratio * ratio;
             const double line_M = line_load / sqrt(2 * n.speed);
@@ -340,10 +337,9 @@ static void fits_agree(void **unused) {
         }
 }
 
-/* Compares the formulas as other authors quote them. Zhou and Hoeprich (J. Tribology 113, 1991,
- * eq. 31) quote the central film of Chittenden et al. with 4.30 and 1.28 b/a. Aihara (J. Tribology
- * 109, 1987, eq. 17) quotes the minimum film of Hamrock and Dowson with their approximation of
- * b/a. */
+/* Compares formulas as other authors quote them: Zhou and Hoeprich (J. Tribology 113, 1991, eq. 31)
+ * the central film of Chittenden et al. with 4.30 and 1.28 b/a, Aihara (J. Tribology 109, 1987, eq.
+ * 17) the minimum film of Hamrock and Dowson with their approximation of b/a. */
 static void films_as_they_are_quoted(void **unused) {
     (void)unused;
 
@@ -359,8 +355,7 @@ static void films_as_they_are_quoted(void **unused) {
     }
 }
 
-/* Slender ellipses have no side leakage. Only the powers of U, G and W remain in the formulas. Both
- * minimum films have equal exponents. */
+/* Without side leakage only powers of U, G, W remain. Both minimum films have equal exponents. */
 static void nothing_leaks_from_slender_ellipses(void **unused) {
     const film_numbers n = ellipse(60, 200, 10);
     const double scale = n.half_width * n.half_width;

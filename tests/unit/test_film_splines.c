@@ -13,8 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// index of a training state whose exit differs from the exit at which the splines of the modes are
-// cut off
+// index of a training state whose exit is not the exit that cuts off the modes' splines
 enum { STATE = 7 };
 
 static trained training;
@@ -23,8 +22,7 @@ static ehd_error error;
 #define check_ok(call)                                                                             \
     if (call) fail_msg("%s", error.text)
 
-/* Fills the state of the full model that equals the reduced state. The modes give the pressure up
- * to the exit. The film is computed from its definition. */
+/* Fills the equal state of the full model. The film is computed from its definition. */
 static void fill_full(previous_state *full, previous_carrier *carrier, const previous_film *reduced,
                       const reduced_basis *basis, const ehd_contact *reference) {
     const ehd_grid *grid = &basis->grid;
@@ -158,8 +156,7 @@ enum {
 static trained half_training;
 static reduced_basis half_basis, whole_basis; // both with the same modes
 
-/* A model with a state. The exit line of the state may differ from the exit line of the training
- * state. */
+/* A model with a state, whose exit line may differ from the exit line of the training state. */
 typedef struct point_film {
     const reduced_basis *basis;
     ehd_contact reference;
@@ -251,8 +248,7 @@ static void plane_free(plane *self) {
     free(self->x);
 }
 
-/* Makes a spline along each line. From the values of these splines, plane_at makes a spline
- * across. */
+/* Makes a spline along each line. plane_at then interpolates across between these splines. */
 static void plane_prepare(plane *self) {
     for (size_t l = 0; l < self->lines; l++) {
         self->along[l] = gsl_spline_alloc(gsl_interp_cspline, self->width);
@@ -274,8 +270,7 @@ static double plane_at(const plane *self, double x, double y) {
     return value;
 }
 
-/* Adds the pressure of the state at the nodes of the grid, computed from the modes. If `cut`, the
- * pressure is zero behind the exit line. */
+/* Adds the pressure of the modes at the nodes of the grid; if `cut`, only before the exit line. */
 static void fill_pressure(plane *self, const point_film *of, bool cut) {
     const ehd_grid *grid = &of->basis->grid;
     size_t num = of->basis->num_pressure, width = grid_width(grid), middle = self->lines / 2;
@@ -316,8 +311,7 @@ static void fill_deflection(plane *self, const plane *pressure, const point_film
     free(kernel);
 }
 
-/* Checks whether a place lies before the exit line. The exit line is straight between grid lines,
- * and constant beyond the outermost lines. */
+/* The exit line is straight between grid lines, and constant beyond the outermost lines. */
 static bool is_before_exit(const point_film *self, double x, double y) {
     const ehd_grid *grid = &self->basis->grid;
     double line = (y - grid_y(grid, 0)) / grid->step;
@@ -330,9 +324,8 @@ static bool is_before_exit(const point_film *self, double x, double y) {
     return x < grid_x(grid, 0) + grid->step * ((1 - part) * exit + part * next) - 1e-9;
 }
 
-/* Compares the masses with tensor-product splines at the nodes of the frame `now`. Places near the
- * downstream ends of the model's splines are left out, because with the farthest exits the pressure
- * reaches these ends. */
+/* Compares the masses with tensor-product splines at the nodes of the frame `now`, except near the
+ * downstream ends of the model's splines, which the pressure with the farthest exits reaches. */
 static void compare_point(const point_film *self, const contact_frame *now, double tolerance,
                           double at_ends) {
     const ehd_grid *grid = &self->basis->grid;
@@ -377,8 +370,7 @@ static void films_of_point_contacts_equal_tensor_splines(void **unused) {
         const contact_frame frames[] = {point_frame(0.93, 1), point_frame(1.02, 1.01),
                                         point_frame(1.3, 1)};
         for (size_t f = 0; f < sizeof frames / sizeof *frames; f++)
-            // within a step of the grid's ends, where the pressure falls to zero, the splines
-            // differ
+            // within a step of the grid's ends, where pressure falls to zero, the splines differ
             compare_point(&self, &frames[f], 3e-5, 2e-4);
         self.reference.lubricant.density = NULL;
         for (size_t f = 0; f < sizeof frames / sizeof *frames; f++)
@@ -387,8 +379,7 @@ static void films_of_point_contacts_equal_tensor_splines(void **unused) {
     }
 }
 
-/* If the frame does not change, the carried values equal the values at the nodes. This must also
- * hold for the next state that is stored in the same memory. */
+/* In a constant frame the carried values equal the node values, also if the memory is reused. */
 static void a_frame_that_stands_still_gives_the_nodes(void **unused) {
     (void)unused;
     point_film self;
@@ -440,8 +431,7 @@ static void films_of_the_half_are_those_of_the_whole(void **unused) {
     point_film_free(&whole);
 }
 
-/* Linear modes of an independent basis continue linearly beyond the grid, upstream and at the
- * sides. */
+/* Linear modes of an independent basis stay linear beyond the grid, upstream and at the sides. */
 static void straight_modes_go_on_straight(void **unused) {
     (void)unused;
     for (int i = 0; i < 2; i++) { // the half grid, and the whole grid with a slope across

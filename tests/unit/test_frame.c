@@ -62,8 +62,7 @@ static void compare_frames(const contact_kind *kind) {
     }
 }
 
-/* With constant values, a frame gives the stationary contact of its load, speed, radius and
- * modulus. */
+/* A frame of constant values gives the stationary contact with these values. */
 static void frame_is_the_contact_of_its_values(void **state) {
     (void)state;
     compare_frames(&contact_line);
@@ -81,8 +80,7 @@ static void frame_at_rest_is_finite(void **state) {
     assert_true(isfinite(contact.moes_L) && contact.lambda > 0);
 }
 
-/* Returns the film at a place of the reference frame, by formulas that do not use frames. The half
- * width and the Hertz pressure of the reference are the units. */
+/* Returns the film at a place of the reference frame, in its units, by formulas without frames. */
 static double film_by_hand(double x, const double *place, const double *pressure, size_t count,
                            double step, const double *factor, double approach) {
     double film = approach + x * x / (2 * factor[2]);
@@ -93,9 +91,8 @@ static double film_by_hand(double x, const double *place, const double *pressure
     return film;
 }
 
-/* Film, pressure, places, approach and load of a state are the same physical quantities, whether
- * they are computed in its frame or in the reference frame. This tests the scales and the constant
- * of the kernel. */
+/* The frame of a state and the reference frame give equal physical values of film, pressure,
+ * places, approach and load. This tests the scales and the constant of the kernel. */
 static void scalars_of_a_frame_are_physical(void **state) {
     (void)state;
     enum { COUNT = 81 };

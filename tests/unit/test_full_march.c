@@ -35,8 +35,7 @@ static marched first, second, third;
 
 // ---- constant histories
 
-/* With constant histories the solution remains the stationary solution, also in a frame other than
- * the reference. */
+/* Constant histories keep the stationary solution, also in a frame other than the reference. */
 static void constant_histories_stay_stationary(void **state) {
     static const char *const transients[] = {
         "end_time: 1e4, tolerance: 1e-4", "end_time: 20, fixed_step: 0.5",
@@ -66,9 +65,8 @@ static void constant_histories_stay_stationary(void **state) {
     }
 }
 
-/* Compares the start with the stationary contact of 1.3 times the load at 0.6 times the speed.
- * `moes_M`, `moes_L` and `width` are the Moes numbers and the half width of this stationary
- * contact. */
+/* Compares the start with the stationary contact of 1.3 times the load at 0.6 times the speed,
+ * whose Moes numbers and half width are given. */
 static void compare_start(const scene *of, double moes_M, double moes_L, double width) {
     scene physical = *of;
     full_settings settings = full_default_settings();
@@ -102,9 +100,8 @@ static void compare_start(const scene *of, double moes_M, double moes_L, double 
     marched_end(&first);
 }
 
-/* The start in any frame is the stationary contact with the load, speed, radius and modulus of this
- * frame. M is proportional to the load, and inversely proportional to the speed to the power 1/2
- * (line) or 3/4 (point). L depends only on the speed. */
+/* The start in any frame is the stationary contact of this frame. M is proportional to the load and
+ * to the speed to the power -1/2 (line) or -3/4 (point). L depends only on the speed. */
 static void start_is_the_stationary_contact(void **state) {
     (void)state;
     const scene line = marched_scene(20, 6, "dowson-higginson", 0.05, "end_time: 1, fixed_step: 1");
@@ -115,8 +112,7 @@ static void start_is_the_stationary_contact(void **state) {
 
 // ---- accuracy of time steps
 
-/* Returns the largest difference of the central films of two runs, at the times of the coarse run.
- * The steps of the coarse run are twice as long as those of the fine run. */
+/* Returns the largest difference of the central films; `coarse` has steps of twice the length. */
 static double film_difference(const marched *coarse, const marched *fine) {
     double largest = 0;
 
@@ -172,9 +168,8 @@ static void fixed_steps_are_of_second_order(void **state) {
     }
 }
 
-/* Checks the error of the film under error control, including the error at a kink after long steps.
- * On this coarse grid the error of the accurate discretisation is up to twice the error of the
- * published discretisation. */
+/* Checks the error of the film under error control, also at a kink after long steps. On this coarse
+ * grid the accurate discretisation has up to twice the error of the published one. */
 static void tolerance_holds(void **state) {
     static const struct {
         const char *law;
@@ -209,9 +204,8 @@ static void tolerance_holds(void **state) {
     }
 }
 
-/* With transport along the path, the film follows a slowly changing load. A step may therefore be
- * longer than the time in which the film passes through the contact. Such a step is still as
- * accurate as the tolerance requires. */
+/* With transport along the path, the film follows a slowly changing load. A step may then exceed
+ * the film's time in the contact, and is still as accurate as the tolerance requires. */
 static void a_slow_ramp_along_the_path_ends_at_rest(void **state) {
     static const char transient[] =
         "end_time: 60, load: {law: ramp, from: 1, to: 1.08, start: 0.5, duration: 40}";
@@ -309,9 +303,8 @@ static ehd_status check_local_error(void *sink, const march_step *step, size_t i
 }
 
 /* The local error is the largest error at nodes more than a tenth of a half width before the exit.
- * Errors nearer to the exit are left out, because the exit moves by whole nodes, which causes
- * noise. The speed oscillates, so that the exit moves and disturbances of the film travel to the
- * exit. */
+ * Nearer to the exit there is noise, because the exit moves by whole nodes. The speed oscillates,
+ * so that the exit moves and disturbances travel to the exit. */
 static void local_error_is_that_before_the_exit(void **state) {
     (void)state;
     static error_check check;
@@ -350,9 +343,8 @@ static void sine_leads_to_a_periodic_state(void **state) {
     marched_end(&first);
 }
 
-/* After all changes the contact is the stationary contact of the last values. With upwind transport
- * only round-off remains. With transport along the path the errors of transport and filter remain
- * as well. */
+/* After all changes the contact is the stationary contact of the last values, up to round-off and,
+ * with transport along the path, the errors of transport and filter. */
 static void ramps_end_in_the_stationary_contact(void **state) {
     static const char ramps[] = "load: {law: ramp, from: 1.4, to: 0.8, start: 0.5, duration: 1}, "
                                 "speed: {law: ramp, from: 0.7, to: 1.2, start: 0.1, duration: 2}, "
@@ -397,8 +389,7 @@ static void run_measured(marched *self, const char *transient) {
     marched_all(self, &of);
 }
 
-/* A table gives the approach that resulted from a load. This approach must lead to the same
- * load. */
+/* The approach that results from a load, given as a table, must lead to the same load. */
 static void approach_gives_the_load_back(void **state) {
     static const char name[] = "approach.csv";
     (void)state;
@@ -422,8 +413,7 @@ static void approach_gives_the_load_back(void **state) {
         marched_all(&second, &of);
         assert_int_equal(second.count, first.count);
         for (size_t k = 0; k < first.count; k++) {
-            // the loads that scale the frames differ slightly, and so do the physical places of the
-            // nodes
+            // slightly different loads scale the frames, so the nodes have other physical places
             check_close(second.load[k], first.load[k], 1e-4, 0);
             check_close(second.film[k], first.film[k], 1e-4, 0);
             check_close(second.approach[k], first.approach[k], 1e-9, 1e-9);
@@ -454,8 +444,7 @@ static void start_from_a_given_approach(void **state) {
     marched_end(&second);
 }
 
-/* Starts from an approach that removes nearly all of the load. The continuation takes steps of 1/32
- * of the way. */
+/* Starts from an approach that removes nearly all of the load, by steps of 1/32 of the way. */
 static void start_from_an_approach_far_away(void **state) {
     (void)state;
     scene of = marched_scene(20, 8, "dowson-higginson", 0.02,
@@ -528,7 +517,6 @@ static void start_at_rest(void **state) {
     marched_end(&second);
 }
 
-/* At rest the film is squeezed symmetrically. */
 static void squeeze_is_symmetric(void **state) {
     (void)state;
     scene of = marched_scene(20, 6, "dowson-higginson", 0.05,
@@ -573,7 +561,6 @@ static void save_and_go_on(const scene *scene_of_run) {
     marched_end(&first);
 }
 
-/* A march that is saved and restored into another object continues with the same bits. */
 static void saved_march_goes_on_with_the_same_bits(void **state) {
     (void)state;
     const scene line = marched_scene(20, 6, "dowson-higginson", 0.05, busy);
@@ -621,8 +608,7 @@ static void bad_saves_are_refused(void **state) {
     marched_end(&first);
 }
 
-/* Checks that a repeated step has the same bits, also after an attempt with another length and
- * frame. */
+/* A repeated step has the same bits, also after an attempt with another length and frame. */
 static void repeat_attempts(const scene *of) {
     marched_begin(&first, of);
     first.stop_at = 10;
@@ -667,9 +653,8 @@ static double dent(double x) {
     return -2e-3 * exp(-pow((x + 0.5) / 0.12, 2));
 }
 
-/* Adds a dent to the film of the only accepted state, by changing the saved data of the march.
- * These data begin with the errors along the path. With transport along the path, the base state
- * and its time limit come before the states. */
+/* Adds a dent to the film of the only accepted state in the saved data. These begin with the errors
+ * along the path; with transport along the path, the base state and its time limit follow. */
 static void add_dent(march_solver *solver, const ehd_grid *grid, bool path,
                      double (*of)(double x)) {
     const size_t size = solver->saved_size(solver->self), errors = grid->num_nodes;
@@ -704,8 +689,7 @@ static void carry_dent(double *left, double (*of)(double x), const char *transpo
     }
 }
 
-/* With transport along the path a dent passes through the contact unchanged, although the speed
- * rises. The expected film is the shifted dent. Upwind transport smears the dent. */
+/* Along the path a dent passes unchanged, although the speed rises; upwind transport smears it. */
 static void a_dent_passes_unchanged(void **state) {
     static const char transient[] = "end_time: 0.64, fixed_step: 0.02, "
                                     "speed: {law: ramp, from: 1, to: 1.5, duration: 0.64}";
@@ -728,8 +712,7 @@ static double dent_behind(double x) {
     return dent(x - 1);
 }
 
-/* Returns the number of steps that error control attempts, with or without a dent in the film at
- * the start. */
+/* Returns the number of attempted steps. `of` is a dent in the film at the start, or NULL. */
 static size_t attempts_with(double (*of)(double x)) {
     const scene usual = along_path(marched_scene(20, 6, "incompressible", 0.01,
                                                  "end_time: 1, tolerance: 1.5e-3, "
@@ -754,8 +737,7 @@ static double ripple(double x) {
     return 1e-5 * cos(M_PI_2 * round(x / 0.01)) * exp(-pow((x + 0.5) / 0.12, 2));
 }
 
-/* The filter damps waves that the grid can hardly represent. Without the filter these waves are not
- * damped. */
+/* Only the filter damps waves that the grid can hardly represent. */
 static void a_ripple_is_damped(void **state) {
     static double left[603];
     (void)state;
@@ -837,8 +819,7 @@ static void both_ways_of_carrying_lead_to_one(void **state) {
 
 // ---- effect of the time steps on the films
 
-/* Returns the root mean square over the second half of a run, in which the films of the start have
- * left the contact. */
+/* Returns the root mean square over the second half of a run, without films of the start. */
 static double mean_of(const double *values, size_t count) {
     double sum = 0;
 
@@ -847,9 +828,8 @@ static double mean_of(const double *values, size_t count) {
     return sqrt(sum);
 }
 
-/* Returns the fraction of a film's change that `effect` does not predict. `film` belongs to the run
- * `first`. `better` belongs to the run `second`, whose steps are a quarter as long and which has no
- * filter. The change is the difference between these films. */
+/* Returns the fraction of a film's change that `effect` does not predict. The change leads from
+ * `film` to `better`, the film of the run `second` with quarter steps and without a filter. */
 static double left_of_change(const double *film, const double *better, const double *effect) {
     static double change[MARCHED_STEPS], rest[MARCHED_STEPS];
 
@@ -862,9 +842,8 @@ static double left_of_change(const double *film, const double *better, const dou
     return mean_of(rest, first.count) / mean_of(change, first.count);
 }
 
-/* Checks the estimated effects on the films with upwind transport and with transport along the
- * path, including the effect of the filter. The minimum film of a point contact hardly changes, and
- * its effect is overestimated. */
+/* Checks the estimated effects on the films with both kinds of transport, including the effect of
+ * the filter. A point's minimum film hardly changes, and its effect is overestimated. */
 static void effects_are_those_of_shorter_steps(void **state) {
     static const char history[] = "load: {law: sine, amplitude: 0.1, period: 1}";
     char of_line[128], of_point[128];
@@ -908,8 +887,7 @@ static double film_of_step(marched *self, double time, double step, bool accepte
     return frame_to_reference(&outcome.scalars, &frame, &self->reference).central_film_thickness;
 }
 
-/* Steps of 1e-7, as from an integrator that locates an event, do not change the result of the next
- * step. */
+/* Steps of 1e-7, as used to locate an event, do not change the result of the next step. */
 static void a_short_step_leaves_the_next_one_as_it_is(void **state) {
     (void)state;
     static const char *const transports[] = {"upwind", "path"};

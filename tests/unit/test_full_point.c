@@ -55,8 +55,7 @@ static void patch_evaluate(patch *self) {
                   self->pressure, self->film);
 }
 
-/* Returns the derivative of a row by the value at a node. A mirrored stencil may contain the node
- * twice. */
+/* Returns a row's derivative by the value at a node, which mirrored stencils may contain twice. */
 static double by_node(const double *by, const reynolds_stencil *stencil, size_t node) {
     double sum = 0;
     for (int a = 0; a < NUM_STENCIL; a++)
@@ -64,8 +63,7 @@ static double by_node(const double *by, const reynolds_stencil *stencil, size_t 
     return sum;
 }
 
-/* Checks all derivatives of the rows with respect to `values`, which are the film or the
- * pressure. */
+/* Checks all derivatives of the rows with respect to `values`, the film or the pressure. */
 static void check_derivatives(patch *self, double *values, bool of_film) {
     const ehd_grid *grid = &self->contact.grid;
     double *up = allocate(2 * grid->num_inner, sizeof *up), *down = up + grid->num_inner;
@@ -120,8 +118,7 @@ static void row_derivatives(void **state) {
     }
 }
 
-/* If pressure and gap do not vary across, the rows on each grid line equal the rows of a line
- * contact. */
+/* If nothing varies across, the rows on each grid line equal the rows of a line contact. */
 static void rows_without_variation_across_are_the_line_s(void **state) {
     (void)state;
     ehd_contact contact = sample_point("barus", "dowson-higginson", 10, 6, 16, false);
@@ -343,14 +340,12 @@ static void large_grids_satisfy_the_problem(void **state) {
         assert_true(full_is_large(&contact.grid));
         check_solution(&contact);
     }
-    // the usual grids of trainings and studies are small and use the factors, so that their results
-    // keep the same bits
+    // the small grids of trainings and studies use the factors, so that results keep their bits
     const ehd_contact usual = sample_point("barus", "incompressible", 20, 10, 128, true);
     assert_false(full_is_large(&usual.grid));
 }
 
-/* Compares the films with the results of Venner and Lubrecht's multigrid program, whose digits are
- * converged, in Moes units (bench_point.c). */
+/* Compares films in Moes units with Venner and Lubrecht's multigrid program (bench_point.c). */
 static void digits_of_the_multigrid_program(void **state) {
     (void)state;
     const ehd_contact contact =
@@ -366,11 +361,9 @@ static void digits_of_the_multigrid_program(void **state) {
     problem_free(&solved);
 }
 
-/* A start from coarser grids is near the solution, and its first linear systems may be solved
- * inexactly. On 128 cells this start takes 5 or 6 Newton iterations with 8 to 9 GMRES iterations
- * each. A start from the dry contact takes 13 Newton iterations. If all systems are solved
- * strictly, each takes 12 GMRES iterations. If systems are solved too inexactly, one more Newton
- * iteration is needed. */
+/* A start from coarser grids is near the solution, and its first linear systems may be inexact. On
+ * 128 cells it takes 5 or 6 Newton iterations (from the dry contact: 13) with 8 to 9 GMRES
+ * iterations each (strictly solved: 12). Too inexact systems cost one more Newton iteration. */
 static void fine_grids_take_few_iterations(void **state) {
     (void)state;
     const double moes_M[] = {20, 100}, moes_L[] = {10, 5};
@@ -381,8 +374,7 @@ static void fine_grids_take_few_iterations(void **state) {
         ehd_contact contact =
             sample_point("barus", "dowson-higginson", moes_M[i], moes_L[i], 128, true);
         problem solved;
-        // with the open boundary the contacts take 7 and 5 Newton iterations, and 44 and 55 GMRES
-        // iterations
+        // open boundary: 7 and 5 Newton iterations, 44 and 55 GMRES iterations
         contact.grid.boundary = BOUNDARY_ZERO;
         problem_solve_cold(&solved, &contact, &settings);
         newton += solved.info.newton_iterations;
@@ -393,8 +385,7 @@ static void fine_grids_take_few_iterations(void **state) {
     assert_true(gmres <= 95);
 }
 
-/* Returns the largest difference from the Hertz pressure, away from the steep edge of the dry
- * contact. */
+/* Returns the largest difference from the Hertz pressure away from its steep edge. */
 static double deviation_from_hertz(double moes_M) {
     const ehd_contact contact = sample_point("barus", "incompressible", moes_M, 0, 96, true);
     const full_settings settings = full_default_settings();
@@ -411,8 +402,7 @@ static double deviation_from_hertz(double moes_M) {
     return worst;
 }
 
-/* Without piezoviscosity the pressure approaches the pressure of the dry contact as the film
- * becomes thinner. */
+/* Without piezoviscosity the pressure approaches the dry pressure as the film becomes thinner. */
 static void thin_films_approach_hertz(void **state) {
     (void)state;
     double thick = deviation_from_hertz(10), thin = deviation_from_hertz(50),

@@ -111,8 +111,7 @@ static void solution_is_a_fixed_point(void **state) {
 
 // ---- grids
 
-/* Returns the order of the central film's error. The boundary nodes are at the same places on all
- * grids. */
+/* Returns the order of the central film's error. The grids have boundary nodes at equal places. */
 static double order_in_the_step(ehd_discretization discretization) {
     static const size_t intervals[] = {300, 600, 1200};
     const full_settings settings = full_default_settings();
@@ -175,9 +174,8 @@ static void zone_grows_at_once(void **state) {
     }
 }
 
-/* The pressurised zone starts with two to four nodes, with a hole, or with all nodes. A zone with a
- * hole or with all nodes leads to the solution. A zone of few nodes may lead to no solution, but
- * the solver must not read memory before the grid (sanitizers). */
+/* A pressurised zone that starts with a hole or with all nodes leads to the solution. A start with
+ * two to four nodes may fail, but must not read memory before the grid (sanitizers). */
 static void any_zone_is_solved_or_given_up(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
@@ -205,9 +203,8 @@ static void any_zone_is_solved_or_given_up(void **state) {
     }
 }
 
-/* At a high alpha p_H a full Newton step may lead far away from the solution. Without a line search
- * this contact takes 354 iterations, most of them in a continuation. With a line search it takes
- * 8 iterations. */
+/* At a high alpha p_H a full Newton step may lead far away from the solution. This contact takes 8
+ * iterations with a line search, and 354 without, most of them in a continuation. */
 static void steps_are_searched(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
@@ -248,8 +245,7 @@ static void exit_is_that_of_a_finer_grid(void **state) {
 
 enum { NUM_SWEPT = 21, NUM_COEFFICIENTS = 5 };
 
-/* Returns the largest deviation of equidistant values from a polynomial of degree four that is
- * fitted by least squares. */
+/* Returns the largest deviation of equidistant values from a fitted polynomial of degree four. */
 static double scatter(const double values[NUM_SWEPT]) {
     double matrix[NUM_SWEPT * NUM_COEFFICIENTS], right[NUM_SWEPT], largest = 0;
 
@@ -272,9 +268,8 @@ static double scatter(const double values[NUM_SWEPT]) {
     return largest;
 }
 
-/* While M grows from 20 to 30 the exit passes a node at 1.05. Measured: a deviation of 1.2e-5,
- * and 4 to 6 Newton iterations from one contact to the next. With exits at nodes the deviation
- * is 4e-3. */
+/* While M grows from 20 to 30 the exit passes a node at 1.05. Measured: a deviation of 1.2e-5 (with
+ * exits at nodes: 4e-3), and 4 to 6 Newton iterations from one contact to the next. */
 static void exit_is_smooth_in_the_load(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
@@ -299,8 +294,7 @@ static void exit_is_smooth_in_the_load(void **state) {
     problem_free(&solved);
 }
 
-/* A result stores pressure and approach. The place of the exit within the cell of its node follows
- * from pressure and approach. */
+/* A result stores pressure and approach. The place of the exit in its cell follows from both. */
 static void pressure_holds_the_exit(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
@@ -325,8 +319,7 @@ static void pressure_holds_the_exit(void **state) {
     }
 }
 
-/* Rows before the node of the exit have zero residuals. The row of this node and the rows of
- * cavitated nodes have nonzero residuals. */
+/* Residuals are zero before the node of the exit, and nonzero at this node and cavitated nodes. */
 static void rows_before_the_exit_hold(void **state) {
     (void)state;
     const ehd_contact contact = accurate_contact(20, 10, 0.01);
@@ -346,8 +339,7 @@ static void rows_before_the_exit_hold(void **state) {
     free(rows);
 }
 
-/* The Jacobian is exact, including the row of the exit cell. It equals the dense Jacobian, and
- * Newton's method converges quadratically. */
+/* The Jacobian with the exit cell's row is exact: Newton's method converges quadratically. */
 static void the_cell_is_part_of_the_linear_system(void **state) {
     (void)state;
     const ehd_contact contact = accurate_contact(12, 6, 0.04),
@@ -365,9 +357,8 @@ static void the_cell_is_part_of_the_linear_system(void **state) {
 }
 
 /* On so fine a grid, round-off leaves residuals of 5e-12. If the tolerance is smaller, as in
- * training, the iteration ends when the residuals no longer fall. On its default grid this contact
- * takes 6 iterations. Waiting until the residual falls below 1e-12 by chance would take 47
- * iterations. */
+ * training, the iteration ends when the residuals no longer fall. This contact takes 6 iterations.
+ * Waiting for a residual below 1e-12 by chance would take 47 iterations. */
 static void rounding_ends_the_iteration(void **state) {
     (void)state;
     full_settings settings = full_default_settings();
@@ -396,8 +387,7 @@ static void not_converged_is_an_outcome(void **state) {
     problem_free(&stopped);
 }
 
-/* If the cells are far wider than the inlet that builds the film, the solver reports this instead
- * of taking thousands of steps. */
+/* The solver reports cells far wider than the inlet, instead of taking thousands of steps. */
 static void too_coarse_a_grid_is_an_outcome(void **state) {
     (void)state;
     full_settings settings = full_default_settings();
@@ -510,8 +500,7 @@ static void solve_without_memory(void **state) {
 
 // ---- interruption
 
-/* Sends a signal before the third linear system. This system must not be solved, and the stored
- * step must not change. */
+/* Sends a signal before the third system, which must not be solved or change the stored step. */
 static ehd_status interrupted_gmres(full_system *system, double tolerance, size_t *iterations,
                                     ehd_error *error) {
     static size_t calls;

@@ -28,9 +28,8 @@ static ehd_contact contact_of(const char *kind, const char *discretization, doub
     return contact_in(&given, kind, discretization);
 }
 
-/* Checks dry gaps. A dry gap is zero at the edge and rises with the power 3/2. Far away it is the
- * undeformed gap minus a term that grows more slowly. Finite differences give the slopes; the slope
- * of a line contact is sqrt(x^2 - 1) (Hertz). */
+/* A dry gap is zero at the edge and rises with the power 3/2. Far away it is the undeformed gap
+ * minus a term that grows more slowly. The slope of a line contact is sqrt(x^2 - 1) (Hertz). */
 static void dry_gaps(void **state) {
     (void)state;
     const double d = 1e-6;
@@ -82,8 +81,7 @@ static void grids_that_contacts_need(void **state) {
     }
 }
 
-/* Checks the steps of narrow ellipses. With a coarser step, the minimum film was measured to be 6
- * to 14 % off. */
+/* Checks the steps of narrow ellipses. With coarser steps the minimum film was 6 to 14 % off. */
 static void narrow_ellipses_are_fine(void **state) {
     (void)state;
     static const struct {
@@ -99,9 +97,8 @@ static void narrow_ellipses_are_fine(void **state) {
     }
 }
 
-/* Returns the minimum film. For a line contact of rigid bodies, the film is 2.4485/M in Moes
- * numbers (Martin, Engineering 102, 1916). For rigid paraboloids, the film is proportional to the
- * square of the ratio of speed to load. */
+/* Returns the minimum film of rigid bodies. For a line contact it is 2.4485/M in Moes numbers
+ * (Martin, Engineering 102, 1916). For paraboloids it is proportional to (speed/load)^2. */
 static double smallest_film(scene *given, const char *kind) {
     const full_settings settings = full_default_settings();
     const ehd_contact contact = contact_in(given, kind, "accurate");
@@ -148,8 +145,7 @@ typedef struct enough {
     double moes_M, moes_L, central, smallest, step, length;
 } enough;
 
-/* Checks that the default grid has errors below 1 and 3 %, and that a coarser or shorter grid has
- * larger errors. */
+/* The default grid has errors below 1 and 3 %; a coarser or shorter grid has larger errors. */
 static void check_just_enough(const char *kind, const enough *of) {
     ehd_contact contact = contact_of(kind, "accurate", of->moes_M, of->moes_L);
     grid_extent less = grid_extent_of(&contact.grid);
@@ -174,8 +170,8 @@ static void grids_are_fine_and_wide_enough(void **state) {
 }
 
 /* For a point contact of low M and L with zero pressure around the grid, the load beyond the domain
- * determines the length of the domain. With half of this length the film is off by 1.5 %. The
- * reference films are the films of the next test. */
+ * determines the length of the domain. With half of this length the film is 1.5 % off the films of
+ * the next test. */
 static void points_count_the_load_beyond(void **state) {
     (void)state;
     const double central = 0.26890, smallest = 0.19779;

@@ -34,8 +34,7 @@ static double field(double x, double y, size_t unknown, bool quadratic) {
     return quadratic ? affine + 2 * x * x - 3 * x * y + 0.5 * y * y : affine;
 }
 
-/* Makes trained solutions on a grid of `columns` by `rows` points of the plane. The unknowns of a
- * solution are the values of `field` at its point. */
+/* Makes trained solutions at `columns` by `rows` points, with the values of `field` as unknowns. */
 static void places_init(places *self, size_t columns, size_t rows, bool quadratic) {
     reduced_states *states = &self->model.states;
     ehd_error error;
@@ -64,8 +63,7 @@ static void places_free(places *self) {
     reduced_state_free(&self->state);
 }
 
-/* Compares the guess at the point `at` of the plane with `field` at the point `as`. Both points are
- * in units of SPACING. */
+/* Compares the guess at the point `at` with `field` at `as`, both in units of SPACING. */
 static void check_guess(places *self, const double at[2], const double as[2], bool quadratic) {
     reduced_guess(&self->state, &self->model,
                   (contact_place){.moes_M = exp(SPACING[0] * at[0]),
@@ -160,10 +158,9 @@ static void places_of_two(places *self, const ehd_lubricant of[2], size_t column
     }
 }
 
-/* Two lubricants have states at the same places. The states of the compressible lubricant differ by
- * five times the rise of its density. The guess for the incompressible lubricant is its own field.
- * If the contact gives no lubricant, the guess lies between both fields. If only one lubricant has
- * states, its states are used unchanged for another lubricant. */
+/* The states of two lubricants differ by five times the rise of the density (places_of_two). The
+ * guess for the incompressible lubricant is its own field. Without a lubricant the guess lies
+ * between both fields. If only one lubricant has states, another one uses them unchanged. */
 static void lubricants_are_told_apart(void **state) {
     enum { ALL = 2 * MOST * MOST };
     const ehd_lubricant of[2] = {barus(false), barus(true)};
@@ -211,9 +208,8 @@ static void lubricants_are_told_apart(void **state) {
     places_free(&self);
 }
 
-/* If the contact's lubricant has too few states for a quadratic fit, the fit also uses states of
- * other lubricants, each with its own lubricant. The guess of an affine field of two lubricants is
- * then exact. */
+/* With too few states of the contact's lubricant for a quadratic fit, the fit also uses states of
+ * other lubricants. The guess of an affine field of two lubricants is then exact. */
 static void few_states_of_two_lubricants(void **state) {
     enum { COLUMNS = 4, ROWS = 2 };
     const ehd_lubricant of[2] = {barus(false), barus(true)};
@@ -426,8 +422,7 @@ static void trained_range_is_the_hull(void **state) {
     load_rate[2] = 0.04;
     assert_true(is_trained_at(&model, 15, 3, (frame_rates){.all = 0.1, .load = 0.04}));
     assert_false(is_trained_at(&model, 15, 3, (frame_rates){.all = 0.1, .load = 0.045}));
-    // the training points lie on a curve, as in a training in which only the load varies: M is
-    // proportional to alpha p_H squared
+    // only the load varies, so the training points lie on a curve, M ~ (alpha p_H)^2
     double line[] = {1, 2, 3, 4, 5, 6}, squares[] = {1, 4, 9, 16, 25, 36};
     model.states.alpha_p_H = line;
     model.states.moes_M = squares;
@@ -462,8 +457,7 @@ static void trained_range_is_the_hull(void **state) {
     assert_false(is_trained(&model, 1, 1, 0));
 }
 
-/* Checks how far contacts are outside of two trained ranges, one with M from 1 to 20 and one with M
- * from 20 to 30. */
+/* Checks how far contacts are outside of two trained ranges, M from 1 to 20 and from 20 to 30. */
 static void outside_the_nearest_range(void **state) {
     (void)state;
     bool stationary[] = {true, true, true, true};
@@ -494,8 +488,7 @@ static void outside_the_nearest_range(void **state) {
             assert_non_null(range);
             for (int i = 0; i < 4; i++) {
                 contact_place place = at[i];
-                // the last place is inside the small range of M, but its thinning is too large for
-                // both ranges
+                // the last place is in the small range of M, but thinned too much for both ranges
                 place.thinning.sliding = kind == 0 ? 0 : i == 3 ? 0.3 : 0.15;
                 found[r][i] = trained_range_outside(range, NULL, place);
             }

@@ -22,8 +22,7 @@ static void write_file(const char *name, const char *text) {
 
 // ---- scenes
 
-/* Returns a transient scene that ends at T = 2, with these histories below `transient`. If the
- * histories include an `approach`, the approach is given instead of the load. */
+/* Returns a scene that ends at T = 2, with these histories. An `approach` replaces the load. */
 static scene scene_of(const char *histories) {
     char text[1024];
     scene of;
@@ -145,9 +144,8 @@ static void tables_are_read_between_their_times(void **state) {
                (double[]){1.5, 2.25, 2.6, 4}, 1e-15);
 }
 
-/* Checks the path of the fluid, which is the integral of the speed from time 0 on. Away from kinks,
- * the slope of the path equals the speed; the slope is computed by central differences. At kinks
- * the path does not jump. */
+/* The path of the fluid is the integral of the speed from time 0 on. Away from kinks its slope, by
+ * central differences, equals the speed. At kinks the path does not jump. */
 static void check_path(const char *histories) {
     const double step = 1e-4;
     ehd_histories *self = accepts(histories);

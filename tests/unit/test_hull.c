@@ -35,7 +35,7 @@ static void distances_from_what_is_flat(void **state) {
     assert_true(hull_distance(lone, 1, 2, (double[]){0.3, 0.5}) > 1e-2);
 }
 
-/* Reused memory must not depend on its previous content. */
+/* Results must not depend on the previous content of reused memory. */
 static void kept_memory_changes_nothing(void **state) {
     const double segment[] = {0, 1, 0, 2}, places[][2] = {{0.25, 0.5}, {0.25, 0.6}, {1.1, 2.2}};
     double square[2 * 5];

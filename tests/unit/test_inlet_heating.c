@@ -23,9 +23,8 @@ static void falls_from_one(void **unused) {
     check_close(inlet_heating_factor(1, 0.005, 1), 0.934 / 1.68799, 1e-14, 0);
 }
 
-/* Returns the factor of Murch and Wilson (1975), as quoted by Wilson and Sheu (1983). It comes from
- * an inlet analysis in pure rolling and does not depend on the load. The range of use of our factor
- * follows from the comparison with this factor. */
+/* Returns the factor of Murch and Wilson (1975), as quoted by Wilson and Sheu (1983), for pure
+ * rolling and any load. A comparison with this factor gives the range of use of our factor. */
 static double murch_wilson(double loading) {
     return 1 / (1 + 0.254 * pow(loading, 0.62));
 }

@@ -25,8 +25,7 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* A time step of a trained contact from its stationary solution, with a slightly different previous
- * film. */
+/* A time step from the stationary solution of a trained contact, with a changed previous film. */
 typedef struct time_step {
     size_t state;
     double rate;
@@ -75,9 +74,8 @@ static reduced_info take_time_step(time_step *self, double shorter) {
     return info;
 }
 
-/* Factors of the same step are as good as a new Jacobian in every iteration. Factors of a step that
- * is shorter by a sixth take a few iterations more. Factors of a step a third as long would
- * converge at a rate of 2/3, so the solver does not use them. */
+/* Factors of the same step are as good as a new Jacobian. Factors of a step shorter by a sixth take
+ * a few iterations more. A step a third as long would give a rate of 2/3 and is not used. */
 static void kept_factors_serve_steps_alike(void **state) {
     (void)state;
     for (size_t s = 0; s < TRAINED_STATES; s += 5)
@@ -98,9 +96,8 @@ static void kept_factors_serve_steps_alike(void **state) {
         }
 }
 
-/* With factors of a step twice as long, each iteration changes the solution by twice the right
- * amount. The solver detects this in the second iteration. It then uses the Jacobian at the state
- * that it has reached. */
+/* Factors of a step twice as long double each change of the solution. The solver detects this in
+ * the second iteration and continues with the Jacobian at the state reached. */
 static void slow_factors_are_replaced_near_the_solution(void **state) {
     size_t num_own = 0, num_slow = 0;
     (void)state;
@@ -117,11 +114,10 @@ static void slow_factors_are_replaced_near_the_solution(void **state) {
     assert_true(num_slow <= num_own + 1);
 }
 
-/* Far from the solution, the rows use a mobility that is linear in the pressure. This line is a
- * tangent to the curve of the mobility. At first, the tangent touches the curve at the higher of
- * two pressures: the pressure of the current state and the pressure of the last state. Later, if
- * the pressure of a node has risen, the tangent touches at this pressure. If the pressure has
- * fallen, the tangent touches where the mobility equals the mobility of the linear rows. */
+/* Far from the solution, the rows use a mobility that is linear in the pressure: a tangent to the
+ * curve of the mobility. At first the tangent touches at the higher of the current and the last
+ * pressure. Later, where the pressure has risen, the tangent touches at this pressure. Where the
+ * pressure has fallen, the tangent touches at the mobility of the linear rows. */
 static void rows_are_linear_about_other_pressures(void **state) {
     const size_t s = 5;
     const scene exponential = sample_scene("barus", "incompressible", 20, 10);

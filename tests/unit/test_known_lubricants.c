@@ -94,9 +94,8 @@ static void one_lubricant_is_known_alone(void **state) {
                         "not in training");
 }
 
-/* A lubricant is known if it lies between the lubricants of the training. Outside of these
- * lubricants it is unknown. A lubricant is also unknown if its viscosity law was trained with only
- * one density law, and the lubricant has another density law. */
+/* A lubricant between the lubricants of the training is known, unless its viscosity law was trained
+ * with only one density law and the lubricant has another density law. */
 static void lubricants_between_are_known(void **state) {
     const double alphas[] = {1.4e-8, 1.6e-8, 1.8e-8};
     sample model = {0}, pairs = {0};

@@ -55,8 +55,7 @@ static const lubricant_law density_elastic = {
     .prepare = elastic_prepare,
     .evaluate = elastic};
 
-/* Two density laws, each with as many keys as a law may have. A table has no room for the last
- * keys. */
+/* Two density laws with the most keys a law may have. A table has no room for the last keys. */
 #define KEY(key)                                                                                   \
     { key, LAW_OPTIONAL, NULL, "0", 0, 1, "1", "One of many" }
 #define FIVE(key) KEY(key "1"), KEY(key "2"), KEY(key "3"), KEY(key "4"), KEY(key "5")
@@ -240,8 +239,7 @@ static void a_law_that_there_is_no_room_for_is_refused(void **state) {
                                     "expected at most 31");
 }
 
-/* Returns the need of a parameter that is a preset or a constant. Returns -1 for other parameters,
- * whose needs may differ between laws. */
+/* Returns the need of a preset or constant; -1 for others, whose needs may differ between laws. */
 static int role_of(const law_parameter *parameter) {
     return parameter->need == LAW_PRESET || parameter->need == LAW_CONSTANT ? (int)parameter->need
                                                                             : -1;
@@ -276,15 +274,13 @@ static void laws_agree_on_shared_keys(void **state) {
     assert_int_equal(laws_slot(viscosity_laws, "alpha"), 0);
     assert_int_equal(laws_slot(viscosity_laws, "eta0"), 1); // roelands shares alpha with barus
     assert_int_equal(laws_slot(viscosity_laws, "share"), MAX_LAW_KEYS);
-    // order of the keys in stored scenes: a key of several laws is listed with the earliest of
-    // these laws
+    // in stored scenes, a key of several laws is listed with the earliest of these laws
     static const char *const order[] = {
         "alpha",       "eta0", "reference_temperature", "temperature_coefficient", "preset",
         "temperature", "A1"};
     for (size_t i = 0; i < sizeof order / sizeof *order; i++)
         assert_string_equal(laws_key(viscosity_laws, i)->key, order[i]);
-    assert_null(laws_key(viscosity_laws, 15));                // 15 keys: the 7 above, 7 more of
-                                                              // wlf, slope
+    assert_null(laws_key(viscosity_laws, 15));                // 15 keys: 7 above, 7 of wlf, slope
     assert_null(laws_default(viscosity_laws, "temperature")); // only wlf has a default
     assert_false(laws_require(viscosity_laws, "eta0"));       // only roelands requires eta0
     assert_true(laws_require(viscosity_laws, "alpha"));

@@ -102,10 +102,9 @@ static void equals_lapack(void **state) {
         }
 }
 
-/* The error of the normal equations is proportional to the square of the condition number. It is
- * 1e-5 at a condition number of 1e6. Up to this number the normal equations are used, since their
- * factors are cheap and can be reused by least_squares_again. At 1e8 they would fail; QR has an
- * error of 1e-9. */
+/* The error of the normal equations grows with the square of the condition number, to 1e-5 at 1e6.
+ * Up to 1e6 they are used, since their factors are cheap and can be reused (least_squares_again).
+ * At 1e8 they would fail; QR has an error of 1e-9. */
 static void qr_takes_over_where_normal_equations_fail(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], expected[COLUMNS];
@@ -190,8 +189,7 @@ static void near_rank_deficiency_is_harmless(void **state) {
     }
 }
 
-/* Iterates with the factors of a similar matrix. The fixed point of the iteration is the solution
- * for the given matrix. */
+/* Iterations with the factors of a similar matrix converge to the solution of the given matrix. */
 static void factors_of_a_neighbour_converge_to_the_solution(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], left[ROWS], expected[COLUMNS], step[COLUMNS];
@@ -252,8 +250,7 @@ static void not_finite_is_said(void **state) {
         random_vector(right, ROWS);
         matrix[17] = bad[i];
         assert_int_equal(least_squares_solve(x, workspace, matrix, right, ROWS), EHD_NOT_CONVERGED);
-        // only the first column has a value that is not finite; this column must not count as a
-        // column of zeros
+        // the first column has a value that is not finite, and must not count as a column of zeros
         random_matrix(matrix, ROWS, 5);
         matrix[COLUMNS] = bad[i];
         assert_int_equal(least_squares_solve(x, workspace, matrix, right, ROWS), EHD_NOT_CONVERGED);

@@ -102,8 +102,7 @@ static void wlf_coefficients_and_limits(void **state) {
     }
 }
 
-/* Below its pressure limit, the viscosity of a law rises with a finite slope. Above the limit, the
- * value at the limit is used. */
+/* The viscosity rises with a finite slope up to its pressure limit, and is constant above. */
 static void viscosity_rises_to_its_limit(void **state) {
     (void)state;
     for (int l = 2; l < NUM_SAMPLE_LUBRICANTS; l++) {
@@ -138,9 +137,8 @@ static double fluidity(double pressure, void *lubricant) {
     return exp(-log_viscosity(lubricant, pressure));
 }
 
-/* Checks the oils of Table 1 at several temperatures, oils whose viscosity hardly depends on
- * pressure, and oils that solidify at low pressure. The reference is GSL's adaptive integration.
- * Our own integration allocates no memory. */
+/* Checks the oils of Table 1 at several temperatures, and oils that hardly depend on pressure or
+ * solidify at low pressure, against GSL's adaptive integration. Ours allocates no memory. */
 static void alpha_is_the_integral_of_fluidity(void **state) {
     (void)state;
     static const struct {

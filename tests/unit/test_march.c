@@ -122,7 +122,7 @@ typedef struct run {
     follower follower;
     march march;
     ehd_histories *histories;
-    size_t count; // number of stored entries
+    size_t count;
     double time[MOST_STEPS], step[MOST_STEPS], value[MOST_STEPS], local_error[MOST_STEPS];
     contact_frame last;
     size_t stop_at;        // index of the entry that cannot be stored
@@ -159,7 +159,6 @@ static scene scene_of(const char *transient) {
     return of;
 }
 
-/* Prepares a run and makes its start. */
 static void run_begin(run *self, const char *transient) {
     scene of = scene_of(transient);
     ehd_error error = {""};
@@ -265,8 +264,7 @@ static void tolerance_controls_the_error(void **state) {
     check_close(log10((double)count[2] / (double)count[1]), 2. / 3, 0, 0.15);
 }
 
-/* Every accepted step has a local error below the tolerance, and the largest errors come near to
- * the tolerance. Some steps that are too long are tried and repeated. */
+/* Every accepted step has a local error below the tolerance; the largest error is close to it. */
 static void accepted_steps_keep_the_tolerance(void **state) {
     (void)state;
     static const char *const transients[] = {
@@ -395,8 +393,7 @@ static void run_late(run *self, double step, double steps_before, double end_tim
     assert_int_equal(run_on(self), EHD_OK);
 }
 
-/* Times stay multiples of the step after many steps, also if a double cannot represent the step
- * exactly. */
+/* Times stay multiples of the step after many steps, also if no double equals the step. */
 static void fixed_steps_go_on_late_in_time(void **state) {
     static const struct {
         double step, steps_before;
@@ -446,8 +443,7 @@ static void times_that_differ_by_rounding_are_one(void **state) {
     }
 }
 
-/* Runs with transport along the path and a linear table. The times of the table are k/30, written
- * with `digits` digits. */
+/* Runs with transport along the path; the table has times k/30, written with `digits` digits. */
 static void run_thirtieths(int digits) {
     static const ehd_contact line = {.kind = &contact_line,
                                      .approach_length = 1,
@@ -506,8 +502,7 @@ static void many_kinks_are_no_standstill(void **state) {
     leave_folder(state);
 }
 
-/* Kinks, multiples of the step and the end count as one time if they are closer than a thousandth
- * of the step. */
+/* The times are kinks, multiples of the step, and the end. */
 static void times_closer_than_a_thousandth_of_the_step_are_one(void **state) {
     static const struct {
         double start, other; // start of the ramp of the load, and of the speed
@@ -598,7 +593,6 @@ static void jump_and_fixed_steps(void **state) {
     run_end(&first);
 }
 
-/* A jump at the end of the run changes nothing. */
 static void jump_at_the_end(void **state) {
     (void)state;
     run_begin(&first, "end_time: 1, tolerance: 1e-3, load: {law: step, to: 1.5, at: 1}");
@@ -656,8 +650,7 @@ static void step_size_underflows(void **state) {
     }
 }
 
-/* Steps shorter than the round-off of the time are not tried, even if the first step was as
- * short. */
+/* Steps below the round-off of the time are not tried, even if the first step was as short. */
 static void step_size_ends_above_rounding(void **state) {
     (void)state;
     for (int i = 0; i < 2; i++) {
@@ -731,10 +724,9 @@ static void steps_along_the_path_stay_at_the_shortest(void **state) {
     run_end(&first);
 }
 
-/* If the errors along the path exceed eight tolerances, steps become shorter. If they reach 32
- * tolerances, the error of each step counts four times. This error is of third order in the step,
- * so the number of steps is 4^(1/3) times as large. With upwind transport these errors do not
- * count. */
+/* Steps become shorter if the errors along the path exceed eight tolerances. At 32 tolerances the
+ * error of a step, which is of third order, counts four times, so there are 4^(1/3) times as many
+ * steps. With upwind transport these errors do not count. */
 static void what_films_have_taken_up_shortens_steps(void **state) {
     (void)state;
     static const double tolerances[] = {0, 7.9, 32, 32};
@@ -759,8 +751,7 @@ static void what_films_have_taken_up_shortens_steps(void **state) {
     check_close(num_steps[3], num_steps[0], 0.15, 0); // upwind steps follow from another order
 }
 
-/* With transport along the path, the first step after a jump is as short as steps may be. The first
- * step of the run is longer. */
+/* With transport along the path, the first step after a jump is as short as steps may be. */
 static void the_step_after_a_jump_along_the_path_is_short(void **state) {
     (void)state;
     static const ehd_contact line = {.kind = &contact_line,

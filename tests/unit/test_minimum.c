@@ -6,8 +6,7 @@
 
 #include <math.h>
 
-/* A film whose minimum is 0.3. The place of the minimum is given in grid steps from node (30,
- * 7). */
+/* A film whose minimum is 0.3, at a place in grid steps from node (30, 7). */
 typedef struct valley {
     ehd_grid grid;
     double along, across, third, fourth;
@@ -59,8 +58,7 @@ static void exact_for_quartics(void **state) {
     }
 }
 
-/* The film has a slanting valley, as in the horseshoe of a point contact. From line to line the
- * valley moves by several nodes. */
+/* The valley slants by several nodes a line, as in the horseshoe of a point contact. */
 static void along_a_slanting_valley(void **state) {
     (void)state;
     for (double slant = -4; slant <= 4; slant += 0.5) {

@@ -124,7 +124,6 @@ static hid_t open_raw(void) {
     return file;
 }
 
-/* Replaces one entry of a dataset. */
 static void patch_real(const char *name, size_t entry, double value) {
     hid_t file = open_raw(), set = H5Dopen2(file, name, H5P_DEFAULT), space = H5Dget_space(set);
     hssize_t count = H5Sget_simple_extent_npoints(space);
@@ -337,9 +336,8 @@ static void a_prefix_of_the_rows_is_the_model_of_those_rows(void **state) {
     }
 }
 
-/* A model that is opened with fewer modes equals a model that was trained with fewer modes, because
- * the first modes are the same. Only the first node of the exit band may differ. This changes the
- * last digits. */
+/* A model opened with fewer modes equals a model trained with fewer modes. Only the first node of
+ * the exit band may differ, which changes the last digits. */
 static void a_prefix_of_the_modes_is_the_model_of_those_modes(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {

@@ -31,8 +31,7 @@ static void add_flow(double *row, double across, bool at_mirror) {
     }
 }
 
-/* Adds the upwind difference of the deflection that the pressures at the node and its neighbours
- * cause. */
+/* Adds the upwind difference of the deflection by the pressures at the node and its neighbours. */
 static void add_entrainment(double *row, bool at_mirror) {
     const double kernel[2][2] = {{3, 0.54}, {0.54, 0.21}}, upwind[3] = {1.5, -2, 0.5};
 
@@ -73,8 +72,7 @@ static void residual(double *y, multigrid *cycle, const double *b, const double 
     }
 }
 
-/* Returns the largest error after a number of cycles. Each cycle solves for the residual that the
- * cycles before have left. The exact solution is between -1 and 1. */
+/* Returns the largest error after a number of cycles; the exact solution is between -1 and 1. */
 static double error_on(ehd_grid grid, size_t cycles) {
     multigrid *cycle = multigrid_create(&grid, NULL);
     const size_t bytes = grid.num_inner * sizeof(double);
@@ -116,8 +114,7 @@ static void small_grids_take_one_cycle(void **state) {
         check_close(error_after(1, 32, half), 0, 0, 1e-12);
 }
 
-/* A long grid that is narrow in one direction is also solved directly, because the band of its
- * matrix is narrow. */
+/* Long narrow grids are also solved directly, because the band of their matrix is narrow. */
 static void narrow_grids_take_one_cycle_and_little_memory(void **state) {
     (void)state;
     const ehd_grid square = grid_with(128, false);

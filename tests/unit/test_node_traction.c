@@ -30,8 +30,7 @@ static double difference(node_state *nodes, double *z, size_t j, const ehd_conta
     return (sums[1] - sums[0]) / (2 * distance);
 }
 
-/* Checks the derivatives for training states, with the exits of these states and with shifted
- * exits. */
+/* Checks the derivatives for training states, with their own and with shifted exits. */
 static void check_model(const reduced_model *model, const reduced_basis *basis) {
     const size_t n = model->num_unknowns;
     double *gradient = calloc(n, sizeof *gradient), *z = calloc(n, sizeof *z);

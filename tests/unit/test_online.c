@@ -256,7 +256,7 @@ static void the_process_keeps_what_it_has_set(void **state) {
     assert_ptr_equal(gsl_set_error_handler(before), handler_of_host);
 }
 
-/* Two threads that run at the same time give the same bits as one thread alone. */
+/* Also checks that two threads at the same time give the same bits as one thread. */
 static void a_loaded_model_calls_no_library_that_may_end_the_process(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {

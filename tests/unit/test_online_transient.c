@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Time steps of the library. A program with an integrator of its own uses a contact in this way, as
- * a force element. */
+/* Time steps of the library, for programs whose integrators use contacts as force elements. */
 #include "common/time/path_filter.h"
 #include "fullrun/full_march.h"
 #include "podbuild/bases.h"
@@ -272,7 +271,6 @@ static void the_exit_moves_as_in_the_full_model(void **unused) {
     }
 }
 
-/* Under constant conditions the state is constant. */
 static void a_constant_contact_stays(void **unused) {
     (void)unused;
     for_both_models {
@@ -351,9 +349,8 @@ static online_state any_step(any_steps *self, double time, double step) {
     return state;
 }
 
-/* Makes small equal steps from the saved state, and then restores the saved state. *state is the
- * result of the last small step. Returns false if a step does not converge. Of 300,000 steps of
- * 1e-9 one step did not converge. */
+/* Makes small equal steps from the saved state, then restores it; *state: the last result. Returns
+ * false if a step does not converge, as one of 300,000 steps of 1e-9 did. */
 static bool goes_in_small_steps(any_steps *self, online_state *state, double step, size_t parts) {
     const double part = step / (double)parts;
     bool converged = true;
@@ -386,9 +383,8 @@ static double off(const online_state *found, const online_state *expected) {
     return fmax(of.central, of.minimum);
 }
 
-/* Makes a step of random length, 1e-9 to 1 times the period of the load. Tries shorter steps until
- * the local error is below the tolerance, like an integrator. Compares the result with the result
- * of small steps over the same time. */
+/* Makes a step of random length, 1e-9 to 1 periods of the load, or a shorter one whose local error
+ * is below the tolerance. Compares the result with small steps over the same time. */
 static void take_any_step(any_steps *self, uint64_t *seed, double tolerance) {
     const double shortest = 1e-9, most_parts = 16;
     double step = pow(shortest, random_next(seed));
@@ -425,9 +421,8 @@ static void take_any_step(any_steps *self, uint64_t *seed, double tolerance) {
     }
 }
 
-/* Makes steps of random lengths. Some steps are rejected and repeated from saved states. The result
- * of each step is compared with the result of small equal steps over the same time. The environment
- * variable ANY_STEPS sets the number of steps. */
+/* Makes steps of random lengths; some steps are rejected and repeated from saved states. The
+ * environment variable ANY_STEPS sets the number of steps. */
 static void steps_may_have_any_lengths(void **unused) {
     (void)unused;
     const char *asked = getenv("ANY_STEPS");
@@ -499,8 +494,7 @@ static online_state at_approach(online_transient *contact, double approach, doub
     return state;
 }
 
-/* The bodies start apart, touch and part again. A saved state contains whether the bodies are
- * apart. */
+/* The bodies start apart, touch and part again. Saved states contain whether bodies are apart. */
 static void a_contact_is_lost_and_regained(void **unused) {
     (void)unused;
     const double step = 0.02, stroke = 1, middle = -0.6;
@@ -634,8 +628,7 @@ static bool find_position(online_state *state, const bouncing *self, double step
     return false;
 }
 
-/* Makes a step of 0.01. If the step does not converge, halves it until it does. Returns the
- * impulse. */
+/* Makes a step of 0.01, halved until it converges; returns the impulse. */
 static double bounce_on(bouncing *self) {
     double step = 0.01;
     online_state state;
@@ -1151,7 +1144,6 @@ static void the_approach_gives_the_load_back(void **unused) {
     }
 }
 
-/* A start from an approach finds the load whose stationary contact has this approach. */
 static void a_start_from_an_approach_finds_its_load(void **unused) {
     (void)unused;
     size_t num_found = 0;
@@ -1167,8 +1159,7 @@ static void a_start_from_an_approach_finds_its_load(void **unused) {
             conditions.approach = by_load.scalars.rigid_approach;
             check_ok(online_transient_start(&by_approach, contact, &conditions, &error));
             assert_int_not_equal(by_approach.status, EHD_NOT_CONVERGED);
-            // the least squares of the two starts have different closures, so their errors differ,
-            // and more outside of the training
+            // the starts have different closures, so their errors differ, more outside of training
             const double near = fabs(load - 1) < 0.1 ? 1e-6 : load > 0.8 && load < 1.6 ? 1e-4 : 0.1;
             check_close(by_approach.scalars.load, load, near, 0);
             check_close(by_approach.half_width, sqrt(load), near, 0);
@@ -1329,8 +1320,7 @@ static void a_step_allocates_nothing(void **unused) {
     }
 }
 
-/* HDF5, FFTW and GSL may end the process. Therefore no call may use these libraries, from the
- * creation of the contact to its end. */
+/* HDF5, FFTW and GSL may end the process, so no call for a contact may use these libraries. */
 static void a_prepared_model_calls_no_library_that_may_end_the_process(void **unused) {
     (void)unused;
     const size_t num_nodes = reference.grid.num_nodes;

@@ -30,8 +30,7 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* Returns a basis with a mode for every node. Its trained range is the range of the training, with
- * all loads multiplied by the factor `load`. */
+/* Returns a basis with a mode for every node, trained for `load` times the training's loads. */
 static reduced_basis part_basis(const trained *of, deformation_kind kind, const double *weight,
                                 double load) {
     reduced_basis nodes = marching_nodes(of, kind, weight);
@@ -174,8 +173,7 @@ static void of_a_point_contact(void **state) {
                 2e-2);
 }
 
-/* An attempt that is not accepted may be made by another part. It does not change the following
- * steps. */
+/* An attempt that is not accepted, even by another part, does not change the following steps. */
 static void attempts_that_are_not_accepted(void **state) {
     (void)state;
     run *plain = malloc(sizeof *plain), *tried = malloc(sizeof *tried);
@@ -199,8 +197,7 @@ static void attempts_that_are_not_accepted(void **state) {
     free(tried);
 }
 
-/* A march is saved after any step of either part, and restored into another object. It continues
- * with the same bits. */
+/* A march saved after any step and restored into another object continues with the same bits. */
 static void saved_and_restored(void **state) {
     (void)state;
     run *whole = malloc(sizeof *whole), *other = malloc(sizeof *other);
@@ -284,9 +281,8 @@ static void by_the_load_that_an_approach_leads_to(void **state) {
     free(self);
 }
 
-/* The modes of the next part cannot represent the whole pressure of the last state. Without a
- * correction this error would change its whole film. The approach is therefore changed so that the
- * mean film, weighted by the pressure, stays the same. */
+/* The modes of the next part cannot represent the last pressure exactly. The approach is therefore
+ * changed so that the mean film, weighted by the pressure, stays the same. */
 static void a_handed_film_is_as_thick_in_the_mean(void **state) {
     (void)state;
     const ehd_contact contact = marching_contact(&trained_on.line, 12, true);

@@ -87,8 +87,7 @@ static void the_sum_is_kept_and_the_rim_left_alone(void **state) {
     check_close(last, 1, 0, 0);
 }
 
-/* On each line of a point contact the filter has another length. Lines beyond the rim of the dry
- * contact are not filtered. */
+/* Each line of a point has its own filter length; lines beyond the dry contact have none. */
 static void lines_across_go_by_their_distance(void **state) {
     const ehd_grid grid = grid_of(-2, 0.02, 201, 76, true, DISCRETIZATION_ACCURATE);
     (void)state;

@@ -98,8 +98,7 @@ static void step_on(march_step *last, const march_solver *solver, const contact_
     solver->accept(solver->self);
 }
 
-/* Returns the number of iterations of twenty steps with this time-step tolerance. *film: central
- * film after these steps. */
+/* Returns the iterations of twenty steps with this tolerance; *film: the last central film. */
 static size_t iterations_with(double *film, double tolerance) {
     const size_t num_steps = 20;
     marching self;
@@ -117,8 +116,7 @@ static size_t iterations_with(double *film, double tolerance) {
     return all - before;
 }
 
-/* If a tolerance of the time steps is set, the solver makes fewer iterations. The resulting change
- * of the film is much smaller than this tolerance. */
+/* A tolerance of the time steps changes the film by much less than the tolerance itself. */
 static void a_tolerance_of_the_steps_saves_iterations(void **state) {
     (void)state;
     const double tolerance = 1.5e-3;
@@ -147,8 +145,7 @@ static void constant_conditions_keep_the_stationary_state(void **state) {
     }
 }
 
-/* As in the full model, a step is rejected if its film is far from the prediction. The march then
- * repeats the step with a shorter length, from the same previous states. */
+/* As in the full model, a step is rejected if its film is far from the prediction. */
 static void a_film_far_from_its_prediction_is_not_taken(void **state) {
     (void)state;
     for (size_t p = 0; p < NUM_PROBLEMS; p++) {
@@ -242,7 +239,6 @@ static void so_does_a_point(void **state) {
     march_as_the_full_model(&problems[OPEN_POINT], true, 0, 10, 1e-3, 3e-3);
 }
 
-/* Half of a point contact gives the same films and exits as the whole contact. */
 static void the_half_marches_as_the_whole(void **state) {
     (void)state;
     const problem *half = &problems[OPEN_POINT];
@@ -276,9 +272,8 @@ static bool is_on_the_way(const ehd_grid *grid, size_t row) {
     return grid_x(grid, k) > -1 && grid_x(grid, k) < 0.1 && fabs(grid_y(grid, k)) < 0.1;
 }
 
-/* Checks the local error, which a film accumulates on its way to the centre. It is evaluated at
- * nodes, not at rows: a model with only one row on this way must not report a much smaller error
- * than a model with all rows. */
+/* Checks the local error that a film accumulates on its way to the centre. A model with only one
+ * row on this way must not report a much smaller error than a model with all rows. */
 static void check_error_of_few_rows(const problem *of) {
     const ehd_grid *grid = &of->basis.grid;
     size_t *rows = calloc(grid->num_inner, sizeof *rows), num_rows = 0, on_the_way = 0;

@@ -89,7 +89,6 @@ static void exact_small_example(void **state) {
     pod_free(&basis); // freeing twice is harmless
 }
 
-/* Compares the POD of a snapshot matrix with LAPACK's SVD of the whole matrix. */
 static void compare_with_dgesdd(size_t num_states, size_t num_nodes) {
     const size_t num_values = num_states < num_nodes ? num_states : num_nodes;
     double *snapshots = graded_snapshots(num_states, num_nodes, 0.5);

@@ -36,8 +36,7 @@ static double *random_rows(size_t num, size_t length, uint64_t seed) {
     return rows;
 }
 
-/* Snapshots with known singular values. Each value is 0.7 times the previous one. Noise of 1e-9 is
- * added in all directions. */
+/* Snapshots with known singular values, each 0.7 times the previous one, plus noise of 1e-9. */
 typedef struct known {
     size_t num_snapshots, num_nodes;
     double *snapshots; // [num_snapshots, num_nodes]
@@ -68,8 +67,7 @@ static void known_free(known *self) {
     free(self->values);
 }
 
-/* Returns the first num_waves rows of the orthonormal cosine transform (DCT-II) of `length`
- * points. */
+/* Returns the first rows of the orthonormal cosine transform (DCT-II) of `length` points. */
 static double *cosines(size_t num_waves, size_t length) {
     double *waves = numbers(num_waves * length);
     for (size_t j = 0; j < num_waves; j++)
@@ -218,7 +216,6 @@ static double sine_of_angle(const pod_basis *set, const double *modes, size_t nu
     return sqrt(sum);
 }
 
-/* Tests that a stream with one block gives the same bits as pod_build. */
 static void one_block_has_the_bits_of_its_pod(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 90, NUM_NODES = 60 };
@@ -239,9 +236,8 @@ static void one_block_has_the_bits_of_its_pod(void **state) {
     free(snapshots);
 }
 
-/* Tests that the error is below its bound, and that the bound is below the allowed error. Also
- * tests that the stream has few modes: at most one more than a direct SVD needs if its allowed
- * error is smaller by the fraction 2 LOCAL. */
+/* The error is below its bound, and the bound is below the allowed error. The stream has at most
+ * one mode more than a direct SVD whose allowed error is smaller by the fraction 2 LOCAL. */
 static void error_is_within_the_bound(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 900, NUM_NODES = 150 };
@@ -280,7 +276,6 @@ static void error_is_within_the_bound(void **state) {
     known_free(&all);
 }
 
-/* Tests that a stream that omits almost no energy gives the result of a direct SVD. */
 static void little_left_out_equals_the_direct_svd(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 1000, NUM_NODES = 201, NUM_MODES = 40 };
@@ -305,9 +300,8 @@ static void little_left_out_equals_the_direct_svd(void **state) {
     free(snapshots);
 }
 
-/* Tests max_rank, the largest number of directions. The snapshots have more than 40 directions.
- * With a limit of 40 the stream drops weak directions, as far as their energy allows this. With a
- * limit of 20 it would have to drop more, and fails. */
+/* The snapshots have more than 40 directions. With max_rank = 40 the stream drops weak directions.
+ * With max_rank = 20 it would have to drop more than the allowed energy, and fails. */
 static void weak_directions_give_way(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 900, NUM_NODES = 150 };
@@ -491,8 +485,7 @@ static size_t most_bytes(const double *snapshots, size_t block, size_t num_nodes
     return most;
 }
 
-/* Tests that the memory of a stream does not grow with the number of blocks. The stream holds one
- * block, the directions and the triangular factor. */
+/* A stream holds only one block, the directions and the triangular factor. */
 static void memory_does_not_grow(void **state) {
     (void)state;
     enum { BLOCK = 32, NUM_NODES = 500, RANK = 10 };

@@ -147,8 +147,7 @@ static void what_is_good_enough_or_taken_is_left(void **state) {
     check_choice(&none, NUM_LINE, NULL, 0);
 }
 
-/* If only two candidates exceed the accuracy, both are chosen, even if they lie very close to each
- * other. If they lie at the same place, only one is chosen. */
+/* Two candidates that exceed the accuracy are both chosen, unless they lie at the same place. */
 static void near_ones_are_taken_the_same_is_not(void **state) {
     const double indicated[] = {99, 1, 1, 1, 9, 8, 1, 1, 1, 1, 1, 99};
     const candidates from = make_line(indicated, 2);

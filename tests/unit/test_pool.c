@@ -12,9 +12,8 @@
 
 enum { NUM_POINTS = 40, NONE = -1 };
 
-/* Counts the calls of the tasks, and says which calls the test lets fail. Several threads may be in
- * `begin`, `end` and `solve` at a time, so these functions use `lock`. `start` and `finish` need no
- * lock, because the pool never runs two of them at a time. */
+/* Counts of calls, and the calls that the test lets fail. Several threads may be in `begin`, `end`
+ * and `solve` at a time, so these functions use `lock`. Only one thread is in `start` or `finish`. */
 typedef struct notes {
     pthread_mutex_t lock;
     const size_t *parent;
@@ -260,7 +259,6 @@ static void check_all_solved_once(const notes *noted) {
     }
 }
 
-/* If some workers get no memory, the other workers solve all points. */
 static void test_workers_without_memory_leave_the_work_to_others(void **state) {
     (void)state;
     for (int enough = 1; enough < 7; enough++) {

@@ -101,8 +101,7 @@ static double carry_error(const ehd_contact *reference, size_t i, size_t j, doub
     return largest;
 }
 
-/* A change of the frame alone moves no lubricant. The only error is the error of cubic splines,
- * which has fourth order. */
+/* A change of the frame alone moves no lubricant; cubic splines have an error of fourth order. */
 static void change_of_frame_keeps_the_physical_film(void **state) {
     (void)state;
     static const char *const densities[] = {"incompressible", "dowson-higginson"};
@@ -406,9 +405,8 @@ static void scale_steps(double *scaled, const double *lengths, double factor) {
         scaled[i] = factor * lengths[i];
 }
 
-/* While load, speed, radius and modulus change, the rate of change at fixed physical places has
- * second order in the step. This holds for equal and variable steps. From one previous state the
- * rate has first order. */
+/* While load, speed, radius and modulus change, the rate at fixed physical places has second order
+ * in the step, for equal and variable steps. With one previous state it has first order. */
 static void rate_is_of_second_order(void **state) {
     (void)state;
     static const double lengths[][3] = {{0.1, 0.1, 0.1}, {0.1, 0.05, 0.1}, {0.05, 0.1, 0.2}};

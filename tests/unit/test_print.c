@@ -26,9 +26,8 @@ static int set_up(void **state) {
 
 #define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
 
-/* Writes a result with num_times times. With num_lines = 1 the contact is a line contact, else a
- * point contact. Each pressure is 100 times the index of its time, plus 10 times the index of its
- * grid line, plus the index of its node. */
+/* Writes a result of a line contact (num_lines = 1) or a point contact. Each pressure is 100 times
+ * the index of its time, plus 10 times the index of its grid line, plus the index of its node. */
 static void write_result(size_t num_times, size_t num_lines) {
     const double times[] = {0, 0.1}, lines[] = {0, 0.5}, nodes[] = {-1, 0, 1. / 3};
     const double scalar[] = {0.1, NAN};
@@ -316,8 +315,7 @@ const char *__lsan_default_suppressions(void) {
     return "leak:libhdf5";
 }
 
-/* If any byte of a finished or unfinished file is wrong, printing does not crash and ends with one
- * of the statuses below. */
+/* Printing a damaged file, finished or not, ends with one of the statuses below. */
 static void any_byte_may_be_wrong(void **state) {
     const char *const names[] = {"time", "load", "status", "history", "moes_M", "contact"};
     const size_t length = strlen(path);

@@ -58,8 +58,7 @@ static void marching_init(marching *self, const reduced_basis *of) {
     assert_int_equal(self->last.status, EHD_OK);
 }
 
-/* Makes an accepted step. The step may be untrusted, because the training has only stationary
- * contacts. */
+/* Makes an accepted step, which may be untrusted: the training has only stationary contacts. */
 static void step_to(marching *self, double load, double time) {
     const contact_frame frame = frame_under(load, time);
 
@@ -160,8 +159,7 @@ static void a_step_of_full_rank_is_one_of_the_full_model(void **state) {
     free(previous);
 }
 
-/* Over several steps the reduced and the full model differ only because their splines differ at the
- * ends of the grid. */
+/* The two models differ only because their splines differ at the ends of the grid. */
 static void full_rank_marches_as_the_full_model(void **state) {
     (void)state;
     reduced_basis nodes = nodes_basis();
@@ -193,8 +191,7 @@ static void full_rank_marches_as_the_full_model(void **state) {
     reduced_basis_free(&nodes);
 }
 
-/* A reduced model has only one zone of pressure on each grid line. If a second zone builds up, the
- * model therefore reports this zone. */
+/* A reduced model has only one zone of pressure on a grid line, so it reports a second zone. */
 static void a_gap_that_closes_behind_the_exit_is_told(void **state) {
     (void)state;
     reduced_basis nodes = nodes_basis();
@@ -265,7 +262,6 @@ static void the_half_marches_as_the_whole(void **state) {
     check_march_alike(&basis, &whole_basis, 1e-9, 1e-9, check_half_of_exits);
 }
 
-/* A march restored into another object of the same model continues with the same bits. */
 static void a_restored_march_goes_on_as_the_saved_one(void **state) {
     (void)state;
     marching saved, restored;
@@ -290,7 +286,6 @@ static void a_restored_march_goes_on_as_the_saved_one(void **state) {
     marching_free(&restored);
 }
 
-/* A saved state is refused if the exit on any grid line lies outside of the band. */
 static void saved_exits_outside_of_the_band_are_refused(void **state) {
     (void)state;
     marching self;

@@ -82,10 +82,9 @@ static void check_is_training_state(const reduced_problem *self, const reduced_b
     free(pressure);
 }
 
-/* Returns whether a state has two solutions. On such a coarse grid two neighbouring exit lines may
- * both be solutions: with both, the signs of pressure and multiplier are right. The films differ by
- * 5e-6 or less. For these states the full solver has found another exit line than the reduced
- * model. */
+/* Returns whether the full solver has found another exit line than the reduced model. On such a
+ * coarse grid two neighbouring exit lines may both have the right signs of pressure and multiplier;
+ * the films differ by 5e-6 or less. */
 static bool has_two_exits(size_t s) {
     return s == 1 || s == 2 || s == 4 || s == 9;
 }
@@ -115,8 +114,7 @@ static void full_rank_reproduces_the_full_model(void **state) {
     check_full_rank(DEFORMATION_INDEPENDENT, 6); // more than a thousand unknowns
 }
 
-/* If the basis contains the solution, the solver finds it from a start nearby, on the whole grid
- * and on the half grid. */
+/* The start is near the solution, on the whole grid and on the half grid. */
 static void a_basis_with_the_solution_finds_it(void **state) {
     (void)state;
     for (int b = 0; b < NUM_BASES; b++) {
@@ -176,8 +174,7 @@ static double dense_deflection(const reduced_basis *basis, const size_t *exit, s
     return sum;
 }
 
-/* Returns the product of a deformation mode with K V_p at all nodes, where K V_p is computed by
- * FFT. */
+/* Returns the product of a deformation mode with K V_p at all nodes, computed by FFT. */
 static double projected_deflection(const reduced_basis *basis, const size_t *exit, size_t row,
                                    size_t mode) {
     const ehd_grid *grid = &basis->grid;
@@ -215,8 +212,7 @@ static double dense_cut(const reduced_model *model, const reduced_basis *basis, 
                : projected_deflection(basis, exit, row, mode);
 }
 
-/* Compares a table of the deflections that the pressure modes cause at a list of nodes with direct
- * sums. films: [count, num_pressure]. */
+/* Compares deflections of the pressure modes with direct sums; films: [count, num_pressure]. */
 static void check_films(const double *films, const size_t *nodes, size_t count,
                         const reduced_basis *basis, const size_t *exit) {
     for (size_t q = 0; q < count; q += 7)
@@ -315,8 +311,7 @@ static void exit_lines_are_found(void **state) {
     reduced_basis_free(&basis);
 }
 
-/* If the exit is searched only on every second grid line, it is interpolated on the other lines.
- * The film hardly changes. */
+/* If exits are searched only on every second line and interpolated, the film hardly changes. */
 static void exits_between_lines_are_interpolated(void **state) {
     (void)state;
     const size_t s = 6;

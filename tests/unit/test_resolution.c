@@ -63,9 +63,8 @@ static void set_inlet(ehd_contact *contact, double x_min) {
                             contact->grid.discretization);
 }
 
-/* Compares an inlet that begins at -4 with an inlet that begins at -32. Under light loads the load
- * of the missing inlet matters, and the minimum film may change more or less than the central
- * film. */
+/* Compares inlets that begin at -4 and at -32. Under light loads the load of the missing inlet
+ * matters, and the minimum film may change more or less than the central film. */
 static void inlet_effect_is_what_a_long_inlet_does(void **state) {
     (void)state;
     static const struct {
@@ -89,9 +88,8 @@ static void inlet_effect_is_what_a_long_inlet_does(void **state) {
     }
 }
 
-/* The load of the missing inlet is inversely proportional to the square of the inlet's length. If
- * the inlet is half as long, the effect is four times as large. This holds also for thick films, as
- * in a rigid isoviscous contact. */
+/* The load of the missing inlet is inversely proportional to the square of the inlet's length, also
+ * for thick films, as in a rigid isoviscous contact. */
 static void inlet_effect_of_a_thick_film(void **state) {
     (void)state;
     static const double cases[][2] = {{0.5, -32}, {1, -16}};
@@ -119,10 +117,9 @@ static ehd_contact point_from(double moes_M, double moes_L, double length, doubl
     return contact;
 }
 
-/* Compares the estimate with the change of the film to the limit of long domains. This limit is
- * extrapolated: the difference from it is proportional to one over the length. The films are
- * computed on grids with twice the step, as in the estimate. For the minimum film the estimate is
- * only an upper bound. */
+/* Compares the estimate with the change of the film to the limit of long domains. The limit is
+ * extrapolated, with a difference proportional to one over the length. For the minimum film the
+ * estimate is only an upper bound. */
 static void inlet_effect_of_a_point_contact(void **state) {
     (void)state;
     static const struct {
@@ -146,8 +143,7 @@ static void inlet_effect_of_a_point_contact(void **state) {
     }
 }
 
-/* Returns a point contact with far field. Its domain begins at X = -length and ends at |Y| = 3/4
- * length. */
+/* Returns a point contact with far field, on X >= -length and |Y| <= 3/4 length. */
 static ehd_contact open_point_from(double moes_M, double moes_L, double length, double step,
                                    bool half) {
     ehd_contact contact = sample_point("barus", "incompressible", moes_M, moes_L, 24, half);
@@ -243,11 +239,10 @@ static void step_effect_is_what_a_fine_step_does(void **state) {
     }
 }
 
-/* Tests the estimates for both films, also in the accurate discretisation. At M = 100, L = 20 the
- * error of the central film falls by a factor of 70. This is faster than with third order, the
- * highest order of the estimate. At M = 5 the error falls with first order, because the place of
- * zero pressure before the inlet depends on the step. At M = 20 both errors occur, with opposite
- * signs. */
+/* At M = 100, L = 20 the error of the central film falls by a factor of 70, faster than with third
+ * order, the highest order of the estimate. At M = 5 the error falls with first order, because the
+ * place of zero pressure before the inlet depends on the step. At M = 20 both errors occur, with
+ * opposite signs. */
 static void step_effects_are_of_the_right_size(void **state) {
     (void)state;
     static const struct {
@@ -364,8 +359,7 @@ static void nodes_grow_with_the_grid(void **state) {
     assert_int_equal(estimate(&smooth).spike_nodes, 0);
 }
 
-/* If a grid just resolves the film, a grid with twice the step does not resolve it, and there is no
- * estimate. */
+/* There is no estimate if a grid with twice the step does not resolve the film. */
 static void too_coarse_to_tell(void **state) {
     (void)state;
     ehd_contact contact = sample_contact("barus", "incompressible", 500, 0, 0.01);
@@ -424,8 +418,7 @@ static void estimate_without_memory(void **state) {
     }
 }
 
-/* The coarser grids of a point contact may extend farther to the sides than its own grid. Half and
- * whole contacts must have the same estimates. */
+/* The coarser grids of a point contact may extend farther to the sides than its own grid. */
 static void half_and_whole_say_the_same(void **state) {
     (void)state;
     for (size_t cells = 48; cells <= 54; cells += 2) {

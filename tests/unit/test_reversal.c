@@ -9,8 +9,7 @@
 static marched first, second, third;
 static ehd_error error;
 
-/* Returns a line contact with M = 20, L = 6, or a point contact with M = 20, L = 5. The grid has a
- * long inlet on both sides. */
+/* Returns a line (M = 20, L = 6) or point contact (M = 20, L = 5) with inlets on both sides. */
 static scene scene_of(bool point, const char *transient) {
     scene of = point ? marched_point(transient)
                      : marched_scene(20, 6, "dowson-higginson", 0.05, transient);
@@ -46,8 +45,7 @@ static double off_mirror(const marched *self, const marched *other) {
     return largest / last_of(self, self->film);
 }
 
-/* From the start on, a negative speed gives the mirror image of the results for a positive speed.
- * The grid need not be symmetric. */
+/* The results are mirror images from the start on. The grid need not be symmetric. */
 static void negative_speeds_are_mirror_images(void **state) {
     static const char *const transients[] = {
         "end_time: 1, fixed_step: 0.02, load: {law: sine, amplitude: 0.2, period: 0.5}, "
@@ -100,8 +98,7 @@ static void check_exits(const marched *self) {
     }
 }
 
-/* Once the start has no effect any more, the fields are the mirror image of the fields half a
- * period before. */
+/* Fields mirror the fields half a period before, once the start has no effect any more. */
 static void half_a_period_later_is_the_mirror_image(void **state) {
     char transient[256];
     (void)state;
@@ -124,8 +121,7 @@ static void half_a_period_later_is_the_mirror_image(void **state) {
     }
 }
 
-/* Each interval with pressure has an exit at its downstream end. An interval whose pressures are
- * only noise has no exit. */
+/* Each interval with pressure has an exit at its downstream end, unless it contains only noise. */
 static void every_interval_has_an_exit(void **state) {
     (void)state;
     const ehd_grid grid = grid_of(-2, 0.25, 17, 1, false, DISCRETIZATION_ACCURATE);
@@ -157,7 +153,6 @@ static void every_interval_has_an_exit(void **state) {
     full_state_free(&of);
 }
 
-/* Half of a point contact gives the same results as the whole. */
 static void half_is_whole(void **state) {
     (void)state;
     scene of = scene_of(true, "end_time: 3, fixed_step: 0.1, speed: {law: sine, mean: 0, "
@@ -215,8 +210,7 @@ static void starts_from_rest(void **state) {
     marched_end(&first);
 }
 
-/* With error control and reversals, repeated attempts have the same bits. So does a march that is
- * restored. */
+/* The marches have error control and reversals. */
 static void repeated_and_restored_steps_have_the_same_bits(void **state) {
     (void)state;
     const scene of = scene_of(false, "end_time: 3.4, tolerance: 1e-3, speed: {law: sine, mean: 0, "

@@ -38,8 +38,7 @@ static void small_rows(reynolds_row *rows, small_problem *small, double entrainm
                   &fluid, small->pressure, small->film);
 }
 
-/* Computes the derivatives of the residuals with respect to `*value` by central differences.
- * `value` points to a pressure or film of `small`. */
+/* Computes the residuals' derivatives with respect to *value, a pressure or film of `small`. */
 static void difference(double *derivative, small_problem *small, double *value) {
     reynolds_row up[NUM_NODES - 2], down[NUM_NODES - 2];
     double kept = *value, h = 1e-5 * kept;
@@ -53,8 +52,7 @@ static void difference(double *derivative, small_problem *small, double *value) 
         derivative[r] = (up[r].residual - down[r].residual) / (2 * h);
 }
 
-/* Returns a row's analytic derivative with respect to the value at `node`. `by`: derivatives of the
- * row. Returns zero if the node is not in the stencil. */
+/* Returns a row's derivative with respect to the value at `node`, zero outside of the stencil. */
 static double by_node(const double *by, const reynolds_stencil *stencil, size_t node) {
     for (int a = 0; a < NUM_STENCIL; a++)
         if (stencil->node[a] == node) return by[a];
@@ -123,8 +121,7 @@ static void row_derivatives(void **state) {
         }
 }
 
-/* As the Eyring stress grows, the rows approach the rows of the Newtonian flow. The difference is
- * inversely proportional to the square of the stress. */
+/* The difference from the Newtonian rows is inversely proportional to the square of the stress. */
 static void thinned_rows_have_the_newtonian_limit(void **state) {
     (void)state;
     const ehd_contact contact = sample_contact("roelands", densities[1], 5, 6, 0.1);
@@ -219,8 +216,7 @@ static void rows_do_not_depend_on_those_beside(void **state) {
     }
 }
 
-/* If the viscosity is so large that the mobility of a node underflows to zero, the node has no
- * flow. */
+/* If the mobility of a node underflows to zero, the node has no flow. */
 static void rows_are_finite_at_any_viscosity(void **state) {
     (void)state;
     ehd_contact contact = sample_contact("barus", "dowson-higginson", 1000, 20, 0.1);
@@ -287,8 +283,7 @@ static void order_of_a_constant_flux(void **state) {
     }
 }
 
-/* Returns the integral of the mobility over P between two pressures, as a sum of `count` links with
- * equal pressure differences. */
+/* Returns the integral of the mobility over P as a sum of `count` links with equal steps of P. */
 static double reduced_change(const ehd_contact *contact, double before, double after,
                              size_t count) {
     const reynolds_stencil stencil = {.node = {[NODE_HERE] = 0, [NODE_AHEAD] = 1}};
@@ -305,9 +300,9 @@ static double reduced_change(const ehd_contact *contact, double before, double a
     return sum;
 }
 
-/* If the viscosity is exponential in the pressure, links are exact. Otherwise links have fourth
- * order in the pressure difference. For compressible lubricants they have second order, with a
- * small factor. */
+/* Links are exact if the viscosity is exponential in the pressure. Otherwise links have fourth
+ * order in the pressure difference, or second order with a small factor for compressible
+ * lubricants. */
 static void order_of_the_reduced_pressure(void **state) {
     (void)state;
     for (size_t l = 0; l < NUM_SAMPLE_LUBRICANTS; l++) {
@@ -348,8 +343,7 @@ static void first_row_has_no_second_node_back(void **state) {
     assert_int_equal(second.node[NODE_BACK2], 0);
 }
 
-/* For an isoviscous lubricant and simple fields, the rows can be computed by hand, including their
- * discretisation error. */
+/* The rows of simple isoviscous fields are known, including their discretisation error. */
 static void manufactured_rows(void **state) {
     (void)state;
     ehd_contact contact = sample_published(sample_contact("barus", "dowson-higginson", 10, 0, 0.1));
@@ -390,7 +384,6 @@ static void manufactured_rows(void **state) {
 
 // ---- squeeze
 
-/* Evaluates rows of a small grid with a squeeze term. */
 static void squeezed_rows(reynolds_row *rows, const ehd_contact *contact,
                           const reynolds_squeeze *squeeze, const double *pressure,
                           const double *film) {
@@ -405,8 +398,7 @@ static void squeezed_rows(reynolds_row *rows, const ehd_contact *contact,
     reynolds_rows(rows, &grid, 0.8, squeeze, stencils, NUM_NODES - 2, &fluid, pressure, film);
 }
 
-/* Checks the squeeze term rate rho H + previous. It depends only on the values at the row's own
- * node. */
+/* Checks the squeeze term rate rho H + previous, which depends only on values at the row's node. */
 static void check_squeeze_derivatives(const ehd_contact *contact) {
     double pressure[NUM_NODES], film[NUM_NODES], previous[NUM_NODES - 2];
     reynolds_row rows[NUM_NODES - 2], steady[NUM_NODES - 2], up[NUM_NODES - 2], down[NUM_NODES - 2];

@@ -58,11 +58,9 @@ static void integrate(double *pressure, const closing *of, double begin, double 
     }
 }
 
-/* Finds the zone whose pressure is zero also at the end, and this pressure. Returns the place where
- * the zone begins. */
+/* Finds the zone whose pressure is zero also at the end; returns where the zone begins. */
 static double find_zone(double *pressure, const closing *of, double end, size_t num) {
-    // a zone that begins at `low` ends with a positive pressure; if it begins at `high`, the
-    // pressure at the end is negative
+    // the pressure at the end is positive if the zone begins at `low`, negative at `high`
     double low = 1.01, high = 2 * of->speed / of->growth;
 
     for (int i = 0; i < 60; i++) {

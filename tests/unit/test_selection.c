@@ -48,9 +48,9 @@ static void joint_hand_worked_example(void **state) {
     const double jacobian_modes[] = {0, 0.6, 0.8, 0, -0.8, 0.6};
     const selection_bases bases = {
         .num_nodes = 3, .num_modes = {2, 2}, .modes = {residual_modes, jacobian_modes}};
-    // The sums of squares are 0.36, 1 and 0.64, so the first row is 1. For the second row a_f = 3/4
-    // and a_J = -4/3. The residuals are then (-5/4, 0, 0) and (0, 0, 5/3). The larger entry belongs
-    // to the Jacobian basis and gives row 2.
+    // Row 1 is first: the rows' sums of squares are 0.36, 1 and 0.64. To fit the second mode at row
+    // 1, the first mode is multiplied by 3/4 (residual basis) and -4/3 (Jacobian basis). The errors
+    // of the fits are (-5/4, 0, 0) and (0, 0, 5/3). The largest error is at row 2, which is next.
     size_t rows[2];
     assert_int_equal(selection_joint(rows, &bases, 2, NULL), EHD_OK);
     check_rows(rows, (size_t[]){1, 2}, 2);
@@ -299,8 +299,7 @@ static void all_nodes_can_be_selected(void **state) {
     free(jacobian_modes);
 }
 
-/* At each node one of the two bases is zero, so a row that is selected for one basis is zero in the
- * other basis. */
+/* At each node one of the two bases is zero. */
 static void survives_singular_systems(void **state) {
     (void)state;
     enum { NUM_NODES = 40, HALF = NUM_NODES / 2, NUM_ROWS = 16 };

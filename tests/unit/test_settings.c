@@ -886,8 +886,7 @@ static void the_default_boundary_is_open(void **state) {
     assert_string_equal(of.boundary, "zero");
 }
 
-/* The default is the same for lines and points, for stationary and transient scenes, and for scenes
- * from a file or from a program. */
+/* The default holds for lines and points, stationary and transient, from files and programs. */
 static void the_default_discretization_is_accurate(void **state) {
     scene of;
     (void)state;
@@ -904,8 +903,7 @@ static void the_default_discretization_is_accurate(void **state) {
     assert_string_equal(of.discretization, "published");
 }
 
-/* Versions before 0.3.0 stored the texts of scenes and plans without the key `discretization`. Such
- * a text means the published discretisation. */
+/* Versions before 0.3.0 stored scenes and plans without the key `discretization`. */
 static void kept_text_without_a_discretization_is_of_the_published_one(void **state) {
     static const struct {
         const char *kept, *now;
@@ -955,8 +953,7 @@ static void files_are_relative_to_the_file_that_names_them(void **state) {
     assert_string_equal(of.transient.vary[VARY_LOAD].file, "set.csv");
     assert_int_equal(scene_parse(&of, text, strlen(text), "deep/s.yml", NULL, 0, &error), EHD_OK);
     assert_string_equal(of.transient.vary[VARY_LOAD].file, "cam.csv");
-    // paths are relative to the scene's folder in the first group, to the plan's folder in the
-    // second group, and to the list's folder in the third group
+    // paths are relative to the folder of the scene, the plan and the list in groups 1, 2 and 3
     write_file("deep/points.csv", "transient.load.file\n/abs.csv\nlist.csv\n");
     snprintf(text, sizeof text,
              "groups:\n- scene: deep/scene.yml\n"
@@ -1008,8 +1005,7 @@ static void plan_varies_histories(void **state) {
 
 // ---- the table
 
-/* The conditions of a row may use only choices of earlier rows, so that defaults can be filled in
- * the order of the rows. */
+/* Conditions use only choices of earlier rows, so that defaults can be filled row by row. */
 static void conditions_of_the_table_are_valid(void **state) {
     (void)state;
     for (const setting *row = scene_settings(); row->key; row++)
@@ -1142,9 +1138,8 @@ static void plan_combines_a_grid(void **state) {
     assert_null(of.points);
 }
 
-/* The region has two settings between bounds, for each of two densities. The points are first the
- * corners of the region, then points exactly on its edges, then inner points. No gap between points
- * is more than a few times larger than in a regular grid with as many points. */
+/* The points are first the corners of the region, then points exactly on its edges, then inner
+ * points. No gap is more than a few times as large as in a regular grid of as many points. */
 static void plan_fills_a_region(void **state) {
     enum { CANDIDATES = 400, EDGES = 4 * (CANDIDATES / 4 / 4) };
     double gap = 0;
@@ -1417,7 +1412,6 @@ static void plan_keeps_the_first_of_equal_points(void **state) {
     plan_free(&of);
 }
 
-/* Returns the text of a plan of one group. */
 static char *text_of_plan(const char *group) {
     char yaml[256];
     plan of;

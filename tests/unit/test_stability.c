@@ -169,8 +169,7 @@ static void too_few_rows_before_an_exit_are_not_stable(void **state) {
     assert_true(isfinite(inverse));
 }
 
-/* A mode that is zero before an exit cannot be determined by rows before this exit. It need not be
- * determined. */
+/* A mode that is zero before an exit need not be determined by the rows before this exit. */
 static void leaves_out_what_vanishes_before_an_exit(void **state) {
     (void)state;
     double modes[2][NUM_NODES] = {{0}};

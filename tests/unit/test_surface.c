@@ -17,8 +17,7 @@
 
 static ehd_error error;
 
-/* Adds a surface to a scene. `settings` is a list such as "kind=dent", "depth=0.1", which ends with
- * NULL. */
+/* Adds a surface to a scene; `settings` is a list such as "kind=dent", and ends with NULL. */
 static void give(scene *of, const char *const *settings) {
     char key[64];
 
@@ -344,7 +343,6 @@ static void steps_see_it_come(void **state) {
 
 static marched first, second;
 
-/* Returns a scene with transport along the path. */
 static scene along_path(double step, const char *transient) {
     scene of = marched_scene(20, 5, "dowson-higginson", step, transient);
     scene_set(&of, "transport", "path", NULL, NULL);
@@ -460,8 +458,7 @@ static void a_dented_film_passes_the_middle_as_it_is(void **state) {
     marched_end(&second);
 }
 
-/* Once the initial film and the front end of a waviness have left the contact, the initial place of
- * this end has no effect. */
+/* Once the front end of a waviness has left the contact, its initial place has no effect. */
 static void a_waviness_forgets_its_end(void **state) {
     (void)state;
     scene of = along_path(0.05, "end_time: 9, fixed_step: 0.05");
@@ -640,8 +637,7 @@ static void one_that_hardly_moves_is_as_at_rest(void **state) {
     marched_end(&first);
 }
 
-/* Starts with motion backwards are the mirror images of starts with motion forwards, if the dent at
- * rest is mirrored too. */
+/* Starts with motion backwards and forwards are mirror images, if the dent is mirrored too. */
 static void starts_at_rest_have_mirror_images(void **state) {
     (void)state;
     scene of = marched_scene(20, 6, "dowson-higginson", 0.05, "end_time: 0.5, fixed_step: 0.25");

@@ -145,8 +145,7 @@ enum { NUM_CALLERS = 3, NUM_CALLS = 10000, ORDER = 40, HEIGHT = 60 };
 
 static double triangle[ORDER * ORDER], right[HEIGHT * ORDER];
 
-/* Makes calls for which OpenBLAS needs work space: solves a triangular system, and computes a
- * product. */
+/* Makes calls for which OpenBLAS needs work space. */
 static void call_blas(double *solved, double *product) {
     memcpy(solved, right, sizeof right);
     cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasUnit, HEIGHT, ORDER, 1,

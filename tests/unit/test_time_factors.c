@@ -101,8 +101,7 @@ static void test_a_step_that_is_far_off_decides_no_floor(void **state) {
     assert_true(factors.central_floor < 4e-4 && factors.minimum_floor < 4e-4);
 }
 
-/* The fit makes the mean of the largest estimates as small as possible. Compares this mean with the
- * means for other floors. The search of the fit has a precision of 0.1 %. */
+/* Compares the mean with the means for other floors. The fit has a precision of 0.1 %. */
 static void test_the_mean_is_the_smallest(void **state) {
     (void)state;
     make_steps(3);

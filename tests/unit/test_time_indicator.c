@@ -73,9 +73,8 @@ static void what_rows_do_leaves_through_the_exit(void **state) {
     check_close(local_of(REDUCED_MINIMUM_FILM), 0, 0, 0);
 }
 
-/* An error decays along the path from the place where it arose to the exit. If one error arose in
- * the constriction and another in a dip far upstream, the two decay independently. The place of the
- * minimum in later steps has no effect. */
+/* Errors decay along the path from where they arose to the exit. Errors from the constriction and
+ * from a dip far upstream decay independently, wherever the later minimum lies. */
 static void what_rows_do_leaves_from_where_it_arose(void **state) {
     const contact_scalars outlet = {.central_film_thickness = 0.1,
                                     .minimum_film_thickness = 0.08,

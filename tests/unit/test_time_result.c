@@ -94,7 +94,6 @@ static double time_at(size_t index) {
     return 0.25 * (double)index;
 }
 
-/* Returns the exits of the entry with this index. */
 static const double *exits_at(size_t index) {
     static double exits[GRID_EXITS];
 
@@ -268,8 +267,7 @@ static void grows_and_reads_back(void **state) {
     check_result(num_times, true);
 }
 
-/* With transport along the path a line contact may have several exits. They are stored in the order
- * from downstream to upstream. */
+/* With transport along the path, several exits are stored, from downstream to upstream. */
 static void all_exits_are_stored(void **state) {
     (void)state;
     static const artefact_schema *const schemas[] = {&schema_result, NULL};

@@ -189,8 +189,7 @@ static void slurp(char text[TEXT], const char *name) {
     fclose(stream);
 }
 
-/* Calls run_child in a child process. Copies what the child prints into `out` and `err`, and
- * returns its exit code. */
+/* Returns the exit code of run_child in a child process, whose output goes to `out` and `err`. */
 static int run(bool resume, bool written) {
     int outcome = 0;
 
@@ -207,8 +206,7 @@ static int run(bool resume, bool written) {
     return WEXITSTATUS(outcome);
 }
 
-/* Removes the line that begins with `start_of_it` from a text. This line contains seconds, which
- * differ from run to run. */
+/* Removes the line that begins with `start_of_it`: its seconds differ from run to run. */
 static void drop_line(char text[TEXT], const char *start_of_it) {
     char *line = strstr(text, start_of_it);
     assert_non_null(line);
@@ -235,8 +233,7 @@ static void check_contains(const char *text, const char *part) {
     if (!strstr(text, part)) fail_msg("found \"%s\", expected in it \"%s\"", text, part);
 }
 
-/* For each attempt: interrupts a run at this attempt, interrupts the resumed run two attempts
- * later, and resumes it again. */
+/* Interrupts a run at each attempt, and the resumed run two attempts later. */
 static void resumed_reports_what_an_uninterrupted_run_does(void **state) {
     (void)state;
     char whole_out[TEXT], whole_err[TEXT];

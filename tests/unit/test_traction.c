@@ -57,8 +57,7 @@ static void laws_have_their_limits(void **state) {
         check_close(contact_shear_stress(&contact, pressure, film, 0), newton, 1e-12, 0);
         set_shear(&contact, "limiting", 1e6 * newton / pressure, NAN);
         check_close(contact_shear_stress(&contact, pressure, film, 0), newton, 1e-6, 0);
-        // near its characteristic stress a law is checked by its definition, which gives the rate
-        // of shear for a stress
+        // near its characteristic stress a law is checked by the rate of shear for a stress
         const double tau0 = newton * hertz / 3, viscous = newton * hertz;
         set_shear(&contact, "eyring", tau0, NAN);
         double stress = contact_shear_stress(&contact, pressure, film, 0) * hertz;
@@ -123,8 +122,7 @@ static void stresses_stay_finite(void **state) {
 
 // ---- integrals
 
-/* A plug has constant film and pressure and is wider than the dry contact. For it all results are
- * known in closed form. */
+/* A plug of constant film and pressure, wider than the dry contact, has results in closed form. */
 static void plug_of_constant_film(void **state) {
     (void)state;
     const double film = 0.07, pressure = 0.6;
@@ -150,8 +148,7 @@ static void plug_of_constant_film(void **state) {
         const traction_sums beyond = contact_traction_beyond(&contact, &scalars);
         const double here = -contact.lambda / 12 * slope * 0.3 / film;
         const double stress = here * viscosity_ratio(&contact, pressure);
-        // behind the last node with pressure, the stress falls within a step to the stress without
-        // pressure
+        // behind the last pressure the stress falls to its value without pressure within a step
         double force = stress * cells * grid_cell(grid), ends = 0;
         for (size_t r = 0; r < grid->num_inner; r++) {
             const size_t k = grid_node_of_row(grid, r);
@@ -357,9 +354,8 @@ static contact_traction traction_from(double x_min, const char *kind, double M, 
     return found;
 }
 
-/* The rolling resistance hardly depends on where the grid begins. Without the inlet upstream of the
- * grid, 5 % of the resistance of this line and a third of the resistance of this point would be
- * missing. */
+/* Without the inlet upstream of the grid, 5 % of the rolling resistance of this line and a third of
+ * the rolling resistance of this point would be missing. */
 static void hardly_depends_on_the_domain(void **state) {
     (void)state;
     const double line = traction_from(-24, "line", 10, 5, 0.02).rolling_resistance;

@@ -222,9 +222,8 @@ static double indicated_with(const double *deviations, const double *bounds, siz
     return trade_indicated(trade_indicator_factor(deviations, bounds, count), shape, bound);
 }
 
-/* A bound comes from a linear estimate, so it is too small for large errors. Here the true
- * deviations are up to (1 + 1e3 bound) times the bound. The fit finds this factor, which grows with
- * the bound. Small bounds are therefore not multiplied by the large factor of large bounds. */
+/* A bound comes from a linear estimate and is too small for large errors. Here deviations are up to
+ * (1 + 1e3 bound) times the bound. The fit finds this factor, which is small for small bounds. */
 static void a_factor_grows_with_the_bound(void **state) {
     enum { NUM = 9 };
     double bounds[NUM], deviations[NUM];
@@ -398,8 +397,7 @@ static void accuracy_goes_by_the_most_trajectories(void **state) {
                         "12 pressure modes, 24 rows, the most accurate of 3 sizes: on half of 10 "
                         "trajectories its films were indicated to be at most 0.000333 off, more "
                         "than that; each step is judged by its own");
-    // sizes with fewer lost trajectories come first, then sizes with more accurate trajectories,
-    // then faster sizes
+    // the order is: fewer lost trajectories, more accurate trajectories, less time
     positions[0].num_lost = positions[2].num_lost = 2;
     positions[1].num_lost = 3;
     assert_int_equal(trade_cheapest(&table, 1e-3, true), 2);
@@ -422,8 +420,7 @@ static void accuracy_goes_by_the_most_trajectories(void **state) {
     assert_int_equal(accuracy_choose(&choice, &table, 1e-3, true, "m.h5", &error), EHD_DATA);
 }
 
-/* If the limit in an error message is requested as the accuracy, it is accepted, in spite of the
- * rounding of its digits. */
+/* The limit in an error message is accepted as the accuracy, although its digits are rounded. */
 static void accuracy_names_what_it_can_give(void **state) {
     trade_position position = measured(0, 1, 0);
     const trade_table table = {9, 0, 1, &position, {0}};

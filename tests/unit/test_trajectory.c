@@ -119,8 +119,6 @@ static double energy_outside(const all_steps *steps, const pod_basis *set, size_
     return outside / energy;
 }
 
-/* The compressed snapshots of two trajectories have the same SVD as one matrix with all steps of
- * both trajectories. */
 static void compression_is_the_svd_of_all_steps(void **state) {
     (void)state;
     training_set set;
@@ -191,8 +189,7 @@ static void workers_change_no_bit(void **state) {
     training_set_free(&set);
 }
 
-/* With M = 5000 the grid is too coarse, and the trajectory fails. It is counted as failed, and none
- * of its steps is kept. */
+/* With M = 5000 the grid is too coarse, so the trajectory fails. */
 static void failed_trajectory_leaves_nothing(void **state) {
     (void)state;
     training_set set, alone;
