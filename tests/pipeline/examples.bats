@@ -275,22 +275,39 @@ YAML
 @test "a model of one's own by one command: histories, an accuracy, one processor" {
     local lib=$BATS_TEST_DIRNAME/../../scenes/lib
     cd "$BATS_TEST_TMPDIR"
-    cat >histories.yml <<'YAML'
-groups:
-  - scene:
-      contact: line
-      regime: transient
-      moes: {M: 12, L: 4}
-      lubricant: {viscosity: {law: barus, alpha: 2e-8}}
-      grid: {step: 0.04}
-      transient: {end_time: 0.3}
-    histories: {load: [0.9, 1.1]}
+    cat >scene.yml <<'YAML'
+contact: line
+regime: transient
+physical: {load: 250e3, radius: 0.0125, speed: 1.5, modulus: 230e9}
+lubricant: {viscosity: {law: roelands, eta0: 0.04, alpha: 1.8e-8}}
+transient: {end_time: 2.5}
 YAML
-    run make -f "$lib/pipeline.mk" PLAN=histories.yml ACCURACY=1e-2 JOBS=1
+    { sed '$d' scene.yml; echo 'transient: {end_time: 2.5, load: {law: sine}, speed: {law: sine}}'; } >sines.yml
+    echo 'groups: [{scene: scene.yml, histories: {load: [0.8, 1.2], speed: [0.7, 1.3], kinds: [sine, ramp, step]}}]' >histories.yml
+    run make -f "$lib/pipeline.mk" PLAN=histories.yml ACCURACY=1e-3 JOBS=1
     echo "$output"
     [ "$status" -eq 0 ]
-    [[ $output == *"snapgen: histories.yml: all "*" histories are solved; points are chosen of stationary ones"* ]]
+    [[ $output == *"snapgen: histories.yml: all 21 histories are solved; points are chosen of stationary ones"* ]]
     [[ $output == *"model: $PWD/out/model.h5" ]]
+
+    # the model is as accurate as its check says; after a calibration a small size of it solves what the whole model does
+    cat >eight.yml <<'YAML'
+groups:
+  - scene: sines.yml
+    combine: list
+    vary:
+      transient.load.amplitude: [0.15, 0.05, 0.1, 0.18, 0.12, 0.08, 0.15, 0.02]
+      transient.load.period: [0.7, 0.9, 1.1, 1.4, 0.6, 1.8, 1, 0.8]
+      transient.speed.amplitude: [0.2, 0.25, 0.1, 0.05, 0.15, 0.28, 0.22, 0.12]
+      transient.speed.period: [1.3, 0.9, 1.7, 0.8, 1.1, 0.7, 2.1, 1.5]
+YAML
+    romrun calibrate eight.yml --model out/model.h5 -o calibrated.h5 --jobs 1 --quiet >/dev/null
+    for i in 0 1 2 3 4 5 6 7 8 9; do
+        local history=(--set transient.load.amplitude=0.1$((i / 2)) --set transient.load.period=0.7$i
+            --set transient.load.phase=$i --set transient.speed.amplitude=0.2$((i / 2)) --set transient.speed.period=1.$i)
+        romrun sines.yml --model out/model.h5 --accuracy 1e-3 -o born.h5 --force --quiet "${history[@]}"
+        romrun sines.yml --model calibrated.h5 --accuracy 1e-2 -o small.h5 --force --quiet "${history[@]}"
+    done
     # each program that runs in parallel gets the number of processors
     run make -n -f "$lib/pipeline.mk" PLAN=histories.yml ACCURACY=1e-2 JOBS=1 OUT=new
     [ "$(grep -c "\(snapgen\|deimselect\) .*--jobs 1" <<<"$(sed -z 's/\\\n//g' <<<"$output")")" -eq 3 ]

@@ -931,6 +931,42 @@ PYTHON
         "$(fullrun --print whole.h5 central_film_thickness | sed -n 2p)" ]
 }
 
+# Lift 3.5 mm (1 + cos 2.4 phi) of a flat-faced tappet, base radius 17 mm, -75 to 75 degrees. The radius of curvature is
+# base + lift + lift'', and the entrainment is proportional to base + lift + 2 lift''.
+@test "a cam from flank to flank: two reversals, and at the nose the film of a stationary contact" {
+    awk 'BEGIN {
+        print "T,load,speed,radius"
+        for (i = 0; i <= 240; i++) {
+            phi = (i / 120 - 1) * 75 * atan2(0, -1) / 180
+            lift = 3.5 * (1 + cos(2.4 * phi)); bend = -2.4 ^ 2 * 3.5 * cos(2.4 * phi)
+            printf "%.9g,%.9g,%.9g,%.9g\n", 4 * i / 3, 1 + lift / 14, (17 + lift + 2 * bend) / 40, (17 + lift + bend) / 10
+        }
+    }' >cam.csv
+    [[ $(sed -n 122p cam.csv) == 160,1.5,-0.408,0.384 ]]
+    cat >cam.yml <<'YAML'
+contact: line
+regime: transient
+physical: {load: 6e4, radius: 0.01, speed: 1, modulus: 2.3e11, viscosity: 0.1}
+lubricant: {viscosity: {law: barus, alpha: 2e-8}, density: {law: incompressible}}
+grid: {x_min: -8, x_max: 8, step: 0.04}
+transient:
+  end_time: 320
+  load: {law: table, file: cam.csv, column: load}
+  speed: {law: table, file: cam.csv, column: speed}
+  radius: {law: table, file: cam.csv, column: radius}
+YAML
+    fullrun cam.yml -o cam.h5 --quiet
+    sed -n '/^transient:/q; s/transient/stationary/; p' cam.yml >nose.yml
+    fullrun nose.yml -o nose.h5 --quiet --set physical.load=9e4 --set physical.speed=0.408 --set physical.radius=0.00384
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+with h5py.File("cam.h5") as cam, h5py.File("nose.h5") as nose:
+    for film in ("central_film_thickness", "minimum_film_thickness"):
+        in_time = numpy.interp(160, cam["time"][...], cam[film][...].ravel()) * cam.attrs["film_unit"]
+        numpy.testing.assert_allclose(in_time, nose[film][()] * nose.attrs["film_unit"], rtol=0.02)
+PYTHON
+}
+
 @test "a point contact that reverses: its exits a line and time, either side" {
     cat >fro.yml <<'YAML'
 contact: point
