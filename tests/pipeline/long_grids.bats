@@ -38,11 +38,15 @@ setup() {
 }
 
 @test "points are solved on the grids that they choose" {
-    solve_map point 1
+    MAP_M=${MAP_M:-0.1 0.3 1 3 10 30 100 300 2000} solve_map point 1
 }
 
-@test "ellipses are solved on the grids that they choose" {
-    solve_map ellipse "${MAP_K:-0.5 2 5 8 10 20}"
+@test "wide ellipses are solved on the grids that they choose" {
+    MAP_M=${MAP_M:-0.1 0.3 1 3 10 30 100 300 2000} solve_map ellipse "${MAP_K:-2 5 8 10 20}"
+}
+
+@test "ellipses with b/a = 0.5 are solved on the grids that they choose" {
+    solve_map ellipse "${MAP_K:-0.5}"
 }
 
 # at M = 100 narrow ellipses would have 8 million unknown nodes
