@@ -168,10 +168,6 @@ static bool allocate(start_shift *self, const reduced_model *model, arena *memor
 }
 
 ehd_status start_shift_build(reduced_model *model, ehd_error *error) {
-    // Smallest number of nodes behind X = 0 between which pressures are interpolated
-    // (romrun/solve/README.md, Starts). If this number is 1, the results of test_start_shift.c are
-    // the same.
-    const size_t least_nodes = 4;
     const size_t n = model->num_pressure;
     start_shift *self = &model->shift;
     arena work = {0};
@@ -179,7 +175,7 @@ ehd_status start_shift_build(reduced_model *model, ehd_error *error) {
     *self = (start_shift){0};
     if (model->band.num_lines > 1 || model->deformation != DEFORMATION_COUPLED) return EHD_OK;
     list_nodes(self, model);
-    if (self->num_nodes < least_nodes) self->num_nodes = 0;
+    if (self->num_nodes < 3) self->num_nodes = 0; // a curvature takes three nodes
     if (self->num_nodes == 0) return EHD_OK;
     // the grid does not resolve details below half of its step
     self->spacing = model->grid.step / 2;
