@@ -38,7 +38,7 @@ typedef struct selection_method {
     selection_function *select;
     size_t rows_per_mode; // largest number of rows for each mode of a basis; 0: no limit
     size_t copies;        // number of copies of a basis that the method makes
-    bool keeps_exits;     // holds arrays for all exits of training at once (stability.h)
+    bool keeps_exits;     // holds arrays for all trained exit positions at once (stability.h)
     const char *help;
 } selection_method;
 

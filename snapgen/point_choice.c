@@ -149,7 +149,7 @@ size_t point_choice_corners(size_t *corners, const double (*places)[RANGE_AXES],
 
 typedef struct nearness {
     double *trained; // [num_points] distance to the nearest point trained before
-    double *chosen;  // [num_points] distance to the nearest point chosen now
+    double *chosen;  // [num_points] distance to the nearest point chosen in this call
     double scale[TREE_AXES];
 } nearness;
 
@@ -165,7 +165,7 @@ static bool is_worse(const candidates *from, const nearness *near, size_t i, siz
     return fmin(near->trained[i], near->chosen[i]) > fmin(near->trained[j], near->chosen[j]);
 }
 
-/* Returns the worst candidate that is far enough from the candidates chosen now: its distance from
+/* Returns the worst candidate that is far enough from those chosen in this call: its distance from
  * them is at least `part` of its distance from the points trained before. Returns NO_PARENT if
  * there is no such candidate. `known`: considers only candidates with a finite error estimate. */
 static size_t worst(const candidates *from, const nearness *near, double part, bool known) {

@@ -247,7 +247,7 @@ static ehd_status put_compressed(artefact *file, const ehd_grid *grid, const pod
 
     if (!status && !row) status = ehd_no_memory(error, "compressed snapshots");
     if (!status) status = artefact_declare(file, "compressed_pressure", error);
-    // one row at a time, because the file has no boundary nodes
+    // one mode at a time, because modes in memory have boundary nodes and modes in the file do not
     for (size_t i = 0; i < set->num_modes && !status; i++) {
         pod_row(row, set, i);
         status = grid_put_field(file, "compressed_pressure", i, row, grid, false, error);

@@ -194,8 +194,8 @@ static flow taken_up_to(double t, const reynolds_squeeze *squeeze, const reynold
 double exit_place(const ehd_grid *grid, double entrainment, double flux,
                   const reynolds_squeeze *squeeze, const reynolds_stencil *stencil,
                   const reynolds_fluid *fluid, const double *film) {
-    // Number of steps of Newton's iteration. The function is nearly linear. Three steps are
-    // enough, two are not (test_exit.c, an_exit_is_placed_by_what_flows).
+    // Number of steps of Newton's iteration. The function is nearly linear: three steps are
+    // enough, and two steps are too few (test_exit.c, an_exit_is_placed_by_what_flows).
     const int num_steps = 6;
     double place = 0.5;
 

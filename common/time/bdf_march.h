@@ -11,9 +11,9 @@
 #include "common/time/film_errors.h"
 #include "common/time/march.h"
 
-/* Source: BDF2 with equal steps; the number is the rate of the formula times the step. If each of
- * many equal steps adds an error to a film, BDF2 enlarges the error by this factor. The change of
- * the film that the filter causes is such an error. */
+/* Source: BDF2 with equal steps. Factor by which this formula enlarges the sum of errors that are
+ * added to a film in many steps, such as the changes that the filter causes. The factor is the
+ * coefficient of the newest film in the formula for the time derivative, times the step. */
 extern const double march_error_growth;
 
 /* Distance from the exit boundary, in half widths, within which the local error is not evaluated.

@@ -63,10 +63,10 @@ enum { WATCHED_ATTEMPTS = 3000, STILL_ATTEMPTS = 100 };
  * fixed_steps_go_on_late_in_time). */
 static const double MIN_STEP = 1e-9, SUM_ROUNDING = 8 * DBL_EPSILON;
 
-/* Longest step while the bodies are apart, as a fraction of the shortest time of smooth histories.
- * No error estimate limits these steps. The shortest time of a sine is 1/(2 pi) of its period. A
- * contact that lasts for a hundredth of the period is therefore not missed (test_apart.c,
- * no_contact_is_missed). */
+/* Longest step while the bodies are apart, as a fraction of the shortest time scale of the smooth
+ * histories; the time scale of a sine is 1/(2 pi) of its period. No error estimate limits these
+ * steps. With this limit a contact that lasts for a hundredth of the period is not missed
+ * (test_apart.c, no_contact_is_missed). */
 static const double WATCHED_PART = 1. / 16;
 
 /* Two times that are closer together than this fraction of a step are treated as one (test_march.c,
@@ -256,7 +256,7 @@ static void join_events(next_stop *stop, const march *self, double kink, bool ju
 
 /* Finds the end of the next attempt. The attempt ends one step further, or earlier at an event of
  * the histories, a multiple of the fixed step or the end of the march. If several of these times
- * are treated as one, the end of the march comes first, then the multiple. */
+ * are so close that they count as one, the end of the march is taken, or else the multiple. */
 static next_stop find_next_stop(const march *self) {
     const march_state *state = &self->state;
     const double time = state->time, step = step_of_surface(self);

@@ -253,8 +253,8 @@ void training_set_places(tree_point *places, const training_set *set) {
     }
 }
 
-/* Builds the tree and the order of the points. Points of different branches, [num_points], are
- * never neighbours. */
+/* Builds the tree and the order of the points. branch: [num_points] branch of each point. Points of
+ * different branches are never neighbours. */
 static ehd_status make_tree(training_set *set, const size_t *branch, const char *plan_path,
                             ehd_error *error) {
     tree_point *points = malloc(set->num_points * sizeof *points);

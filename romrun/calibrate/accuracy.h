@@ -69,7 +69,8 @@ void accuracy_judge_others(run_result *result, const accuracy_limits *limits);
 
 /* Sets EHD_UNTRUSTED if the error estimate of the rolling resistance exceeds its limit, or if the
  * limit is set and the estimate is not known. The estimate is the error due to the grid
- * (result->effects). For a reduced result, the larger estimate of both films is added. */
+ * (result->effects). For a reduced result, the larger one of the error estimates of the central and
+ * the minimum film is added to it. */
 void accuracy_judge_rolling(run_result *result, const accuracy_limits *limits);
 
 #endif

@@ -271,9 +271,9 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     return status;
 }
 
-/* Sets the pause, the number of full steps before the next try of the reduced model. A failed try
- * doubles the pause. A return also doubles the pause if the reduced model then took fewer steps
- * than the pause had; otherwise the pause is reset to 1. Failures thus cost little. */
+/* Sets the pause: the number of full steps before the reduced model is tried again. A failed try
+ * doubles the pause. If a try succeeds but the reduced model then takes fewer steps than the pause
+ * was long, the pause is doubled too; otherwise it is reset to 1. Failures thus cost little. */
 static void set_pause(fallback_march *self) {
     standing *now = &self->now;
 

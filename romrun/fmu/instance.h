@@ -57,10 +57,11 @@ fmu_outcome fmu_step(fmu_instance *self, double time, double step);
 /* Returns the end of the last successful step. */
 double fmu_time(const fmu_instance *self);
 
-/* Computes derivative[k] = sum over i of direction[i] d unknowns[k] / d knowns[i], of outputs by
- * inputs. At the start these are derivatives of the stationary contact, later derivatives at the
- * end of the last internal step. The library's tangent computes them. Outputs without a tangent get
- * central differences, which take three more steps for all of these outputs together. */
+/* Computes derivative[k] = sum over i of direction[i] d unknowns[k] / d knowns[i]. The unknowns are
+ * outputs, the knowns are inputs. At the start these are derivatives of the stationary contact,
+ * later derivatives at the end of the last internal step. The library's tangent computes them.
+ * Outputs without a tangent get central differences, which take three more steps for all of these
+ * outputs together. */
 bool fmu_derivative(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                     const unsigned knowns[], size_t num_knowns, const double direction[],
                     double derivative[]);

@@ -336,7 +336,7 @@ ehdrom_status ehdrom_restart(ehdrom_contact *self) {
 /* Numbers that begin a saved state; they identify its model and settings. */
 enum { SAVED_MARK, SAVED_COUNT, SAVED_M, SAVED_L, SAVED_ALPHA, SAVED_LENGTH, NUM_SAVED };
 
-// Bounds of the states that are restored: only states with this version of the layout
+// Bounds of the states that are restored: those whose first number names this layout of states
 static const double saved_mark = 3004;
 
 static void head_of(double head[NUM_SAVED], const ehdrom_contact *self) {

@@ -83,7 +83,8 @@ static ehd_status match_nodes(size_t **indices, arena *memory, const size_t *nod
     return status;
 }
 
-/* Replaces the factors of the whole model by factors for its first rows and modes. */
+/* Replaces the factors that weigh the rows of the whole model by factors for a smaller model, which
+ * has only the first rows and modes. */
 static ehd_status reweigh(reduced_model *model, artefact *file, const stored_sizes *stored,
                           const weighting *weights, ehd_error *error) {
     size_t num_rows = model->rows.num_rows;

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Margins of the band, half widths. The band extends beyond the trained exits by EXIT_MARGIN for a
+/* Margins of the band, in half widths. The band extends beyond the trained exits by EXIT_MARGIN for a
  * line contact, and by LINES_MARGIN for a point contact, whose exits vary more on each grid line.
  * The band begins MINIMUM_MARGIN before the trained film minima. Exits of iterates may lie beyond
  * the trained exits. Without EXIT_MARGIN, or with -0.1 for MINIMUM_MARGIN, the iteration does not

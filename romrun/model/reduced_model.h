@@ -141,7 +141,7 @@ typedef struct exit_cut {
     size_t num_rows; // coupled: num_needed + 1; independent: num_deformation + 1
     double *left;    // [nodes of the band, num_rows] effect of a pressure of 1 at a node on each
                      // row of the table
-    // [num_rows, num_pressure] table of an exit at the beginning of the band
+    // [num_rows, num_pressure] the table for an exit at the beginning of the band
     double *base;
 } exit_cut;
 

@@ -255,12 +255,12 @@ static void indicate(online_result *result, part_solver *solver, const ehd_conta
  * with an untrained lubricant (scenes/studies/silent-failures, seed 22). */
 static const double MAX_RESIDUAL_OVER_CALIBRATION = 100;
 
-/* Multiple of the calibration's largest number of iterations above which a result is not trusted.
- * Measured on 1700 random scenes of line contacts, with two trainings and 60 scenes of the
- * calibration. Scenes inside the trained range, with the trained density, take at most 1.9 times
- * the calibration's largest number. Incompressible scenes take up to 8 times this number if the
- * training was compressible. One in twenty of these scenes takes more than 5 times this number
- * although the result is good (romrun/trust/README.md, Results that are rejected). */
+/* A result is not trusted if it takes more than this many times the largest number of iterations of
+ * the calibration, N. Measured on 1700 random scenes of line contacts, with two trainings and
+ * calibrations of 60 scenes. Scenes inside the trained range, with the trained density, take at
+ * most 1.9 N. If the training was compressible, incompressible scenes take up to 8 N. One in twenty
+ * of the incompressible scenes takes more than 5 N although the result is good
+ * (romrun/trust/README.md, Results that are rejected). */
 static const double MAX_ITERATIONS_OVER_CALIBRATION = 5;
 
 /* Largest accepted magnitude of a negative pressure, Hertz pressures. Of 1000 solutions with

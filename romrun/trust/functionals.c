@@ -89,7 +89,7 @@ static const solved_system *take_solution(functionals *self, reduced_solver *sol
     const solved_system known = *solved;
 
     *solved = reduced_solved_system(solver);
-    if (solved->nodes != known.nodes) // another solver, with its own numbers of matrices
+    if (solved->nodes != known.nodes) // of another solver, which counts its own matrices
         for (int q = 0; q < NUM_REDUCED_FILMS; q++)
             self->films[q].matrix_number = 0;
     else if (solved->solution_number == known.solution_number)

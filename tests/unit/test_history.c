@@ -324,8 +324,8 @@ static void a_reversal_is_refused_but_not_rest(void **state) {
     histories_free(self);
 }
 
-/* All knots are positive. The second derivative of the spline is 1.14 at the inner knots. Midway
- * between the inner knots the spline therefore has the value 0.05 - 1.14/8. */
+/* The values at all knots are positive. The second derivative of the spline is 1.14 at the inner
+ * knots. Midway between these knots the value is therefore negative: 0.05 - 1.14/8. */
 static void splines_are_checked_between_their_knots(void **state) {
     (void)state;
     write_file("dip.csv", "T,F\n-1,1\n0,0.05\n1,0.05\n2,1\n");
