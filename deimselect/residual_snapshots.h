@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Holds the snapshots for row selection and computes their POD (README.md, What is selected from).
- * Each iteration of the training with the reduced basis gives one snapshot of either kind. The
+ * Each iteration of the training with the reduced basis gives one snapshot of each kind. The
  * snapshots are in memory, or are streamed from a file. Called by main.c, row_choice.c, row_plan.c
  * and control.c, and by snapgen. */
 #ifndef EHD_RESIDUAL_SNAPSHOTS_H

@@ -23,7 +23,7 @@ typedef struct row_choice {
     double *factors;           // [num_rows] factors of the row weights, in addition to D
     size_t num_jacobian_modes; // min(unknowns, POD modes); 0 if the factors are given
     double *jacobian_modes;    // [num_rows, num_jacobian_modes] modes of the products at the rows
-    double sigma_min_residual, sigma_min_jacobian; // smallest singular values at the rows
+    double sigma_min_residual, sigma_min_jacobian; // smallest singular values of bases at the rows
     double sigma_min_over_exits;
     double stability;          // 1/sigma_min relative to all rows, at the worst exit (stability.h)
     double *sigma_min_by_exit; // [num_states] for the rows before the exit of each training state

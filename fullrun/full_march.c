@@ -65,7 +65,8 @@ double full_march_bytes(const ehd_contact *reference) {
 static double dry_start_film(const ehd_contact *reference) {
     const contact_kind *kind = reference->kind;
     const contact_shape *shape = &reference->grid.shape;
-    // reference speed / speed in the formula (README.md, In time; test_full_march.c, start_at_rest)
+    // reference speed / speed in the film formula (README.md, In time; test_full_march.c,
+    // start_at_rest)
     const double slowness = 100;
     double moes_M = kind->moes_M(shape, reference->lambda / slowness);
     double moes_L = reference->alpha_p_H / kind->alpha_p_H(shape, moes_M, 1);
@@ -622,7 +623,8 @@ static double largest_taken_up(const full_march *self, const full_state *state,
     return largest;
 }
 
-/* Estimates the relative effects of the steps on the films from the accumulated errors. */
+/* Estimates the relative changes of the films in the limit of small steps, where the accumulated
+ * errors vanish. */
 static void set_effects(march_step *outcome, const full_march *self, const full_state *state,
                         const ehd_contact *contact) {
     const size_t num_nodes = contact->grid.num_nodes;

@@ -471,9 +471,9 @@ static void move_exit(full_state *state, const ehd_grid *grid, double change) {
  * inexact_newton_ends_where_dense_does). */
 static const double MAX_FORCING = 0.01;
 
-/* Returns the relative tolerance of a linear system, which is loose far from the solution
- * (Eisenstat and Walker, SIAM J. Sci. Comput. 17, 1996). On a line contact a system costs little,
- * and the tolerance is always linear_tolerance. */
+/* Returns the relative tolerance of a linear system: loose far from the solution, at the end as
+ * tight as Newton's tolerance needs (Eisenstat and Walker, SIAM J. Sci. Comput. 17, 1996). On a
+ * line contact a system costs little, and the tolerance is always linear_tolerance. */
 static double linear_tolerance(const full_solver *self, double residual) {
     const full_settings *settings = &self->settings;
 

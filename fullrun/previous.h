@@ -34,13 +34,13 @@ typedef struct previous_carrier {
     spline *across;                // spline across the lines; NULL on a line contact
     spline **errors;               // [lines] scratch of previous_errors
     ehd_grid wide;                 // the grid with a margin around it
-    size_t margin, side;           // columns and lines added at each end (half grid: one end)
+    size_t margin, side;           // columns, lines added at each end (half grid: lines at one)
     ehd_deflection *deflection;    // on the wide grid
     arena memory;                  // memory of all arrays
     // for transport along the path:
     path_filter filter;         // filter of the difference between a state and the start
     const previous_state *base; // state of the start, carried at fixed places; NULL: not set yet
-    double *base_film;          // [num_nodes] film of the base without a surface at rest
+    double *base_film;          // [num_nodes] film of the base minus heights of a surface at rest
     double base_until;          // T of the first reversal; from then on the base is not used
 } previous_carrier;
 

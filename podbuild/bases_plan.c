@@ -39,8 +39,8 @@ static double most_modes(const pod_settings *wanted, size_t max_rank) {
     return wanted->num_modes ? fmin((double)wanted->num_modes, (double)max_rank) : (double)max_rank;
 }
 
-/* Returns the memory of the states and their coordinates, bytes. States are held twice: for
- * writing, and, from a part, while they are read. */
+/* Returns the memory of the states and their coordinates, bytes. All states are held twice, because
+ * writing makes a copy. States of a part are also held twice while they are read. */
 static double state_bytes(const snapshot_set *from, double num_modes) {
     // number of scalars of a state (README.md, More than fits in memory)
     const double columns = 20, lines = (double)grid_lines(&from->grid);

@@ -26,7 +26,7 @@ typedef struct snapshot_source {
     // Columns of the states; empty for a part. The only coordinate is the rigid approach. Exits
     // are set only for solutions in memory.
     reduced_states states;
-    size_t num_rows;       // stationary states, then compressed steps; modes of a part
+    size_t num_rows;       // stationary states, then compressed steps; for a part: its modes
     size_t num_stationary; // number of rows that are stationary states
     size_t *row_state;     // [num_stationary] states of the stationary rows
 } snapshot_source;

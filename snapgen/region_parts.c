@@ -81,7 +81,7 @@ static ehd_status cut(part *parts, const parts_request *of, ehd_error *error) {
     return status;
 }
 
-/* Returns the factor on the number of a part's candidates that gives as many as the region has. */
+/* Returns the number of candidates of the whole region, divided by the number in a part. */
 static double density_of(const part *range, const training_set *set) {
     size_t count = 0;
 

@@ -264,7 +264,7 @@ static ehd_status write_iterations(void *sink, size_t point, const point_trace *
 }
 
 /* Writes the compressed iterations of the trajectories, after the iterations of the points.
- * `width`: length of a row of the file. Shorter sets are filled with rows of zeros. */
+ * `width`: length of a row of the file. Rows of zeros, which have no effect, fill a shorter set. */
 static ehd_status put_compressed(artefact *file, const trajectories *repeated, size_t width,
                                  size_t first, size_t count, ehd_error *error) {
     const struct {

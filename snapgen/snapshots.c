@@ -145,6 +145,7 @@ static ehd_status put_exits(artefact *file, const ehd_grid *grid, size_t place,
     return status;
 }
 
+/* Writes pressure and film, [num_nodes] each, and the places where the pressure ends. */
 static ehd_status put_fields(artefact *file, const ehd_grid *grid, size_t place,
                              const double *pressure, const double *film, ehd_error *error) {
     ehd_status status = grid_put_field(file, "pressure", place, pressure, grid, false, error);

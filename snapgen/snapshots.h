@@ -46,8 +46,8 @@ ehd_status snapshots_declare(artefact *file, const training_set *set, bool adapt
 ehd_status snapshots_put_contact(artefact *file, size_t state, const ehd_contact *contact,
                                  ehd_error *error);
 
-/* Marks a point as done if `file` has all data of its state, with the outcome `outcome`. A power
- * cut may leave an outcome without the other data. In this case *whole is false. */
+/* Marks a point as done, with the outcome that `file` has for it, if `file` has all data of its
+ * state. A power cut may leave an outcome without the other data. In this case *whole is false. */
 ehd_status snapshots_restore(
     // output:
     bool *whole, training *points,

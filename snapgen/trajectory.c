@@ -255,7 +255,8 @@ static ehd_status merge_one(pod_stream *all, pod_basis *set, bool failed, ehd_er
     return status;
 }
 
-/* Merges the finished trajectories in the order of the plan, for any number of threads. */
+/* Merges the finished trajectories in the order of the plan, so that the result does not depend on
+ * the number of threads. */
 static ehd_status finish_trajectory(void *shared, void *worker, size_t number, size_t parent,
                                     ehd_error *error) {
     task *owner = shared;

@@ -321,9 +321,10 @@ ehd_status artefact_get_text(artefact *file, const char *attribute, char **text,
  * read back the same value. */
 ehd_status artefact_show_attribute(artefact *file, const char *attribute, char **text,
                                    ehd_error *error);
-/* Returns the factor of a scale, without the field `frame`, and the SI units of the converted
- * numbers. A scale that has only a frame has factor 1. EHD_DATA: the file lacks the attribute,
- * because its contact was not given in SI units. */
+/* Returns the factor that converts the numbers of a scale to SI units, and these units. If the
+ * scale contains a field of frames, the factor does not contain this field; it is 1 if the scale is
+ * this field alone. EHD_DATA: the file lacks the attribute, because its contact was not given in SI
+ * units. */
 ehd_status artefact_get_scale(
     // output:
     double *factor, const char **units,

@@ -27,7 +27,7 @@ typedef struct file_dataset {
     own_dataset own;
     int rank;
     hsize_t dims[ARTEFACT_MAX_RANK]; // the first ARTEFACT_MAX_RANK lengths
-    bool checked;                    // the digest has been checked, before the first read
+    bool checked;                    // the digest has been checked, once, before the first read
     hid_t held; // id of a dataset on the growing axis that stays open while streaming; 0: not open
 } file_dataset;
 

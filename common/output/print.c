@@ -155,7 +155,8 @@ static bool fits(const column *one, const entries *all) {
     return same;
 }
 
-/* Finds the entries, which have the axes of the column with the most axes. Checks all columns. */
+/* Finds the entries to print, which have the axes of the column with the most axes. Checks that all
+ * columns fit. */
 static ehd_status find_entries(entries *all, const artefact *file, const column *columns,
                                size_t num_columns, ehd_error *error) {
     const column *first = columns;

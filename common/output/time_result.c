@@ -199,7 +199,8 @@ ehd_status time_result_append(artefact *file, const ehd_grid *grid, const time_e
 
 // ---- restart slots
 
-/* Reads the number of entries of each slot, for a resumption. A kill may leave a slot invalid. */
+/* Reads, for each slot, after how many entries a run resumes from it. A kill may leave a slot
+ * invalid. */
 static ehd_status get_slots(int64_t num_entries[NUM_SLOTS], artefact *file, ehd_error *error) {
     ehd_status status = EHD_OK;
 

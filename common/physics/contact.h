@@ -30,8 +30,8 @@ typedef struct contact_kind {
     double (*central_film)(const contact_shape *shape, double moes_M, double moes_L);
     // gap of the dry contact on Y = 0, |x| >= 1
     double (*dry_gap)(const contact_shape *shape, double x);
-    // Change of the rigid approach per unit of (int P)/load. `half_width` and `length`, the
-    // distance at which the approach is measured, are in reference half widths.
+    // Change of the rigid approach per unit of (int P)/load. `half_width`: the current half width;
+    // `length`: distance at which the approach is measured; both in reference half widths.
     double (*approach_shift)(double half_width, double length);
     // Moes number M. The load number is w/(E' R) for a line contact and w/(E' R^2) for a point
     // contact. The speed number is eta0 2 u_m/(E' R)
@@ -328,9 +328,9 @@ bool contact_has_chosen_grid(const ehd_contact *contact);
  * shape. Both must be half grids, or both full grids. Otherwise the contact keeps its grid. */
 void contact_take_grid(ehd_contact *contact, const ehd_grid *grid);
 
-/* Returns EHD_DATA if a given approach is measured at less than half the length of the grid. Below
- * a quarter of the pressurised length the compliance of a line contact is not positive, and a film
- * squeezed by a given approach would grow without bound. */
+/* Returns EHD_DATA if the given approach of a line contact is measured at a distance below half the
+ * length of the grid. At a distance below a quarter of the pressurised length the compliance of the
+ * contact is not positive, and a film squeezed by a given approach would grow without bound. */
 ehd_status contact_check_approach(const ehd_contact *contact, ehd_error *error);
 
 /* Returns the closure for a given load: the load balance, eq. 9 of Maier et al. */

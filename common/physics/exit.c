@@ -124,7 +124,7 @@ void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, dou
     cell->offset_by_flux = 1 / slope;
     cell->flux_residual = cell->offset.residual * slope / step;
 
-    // second equation, by Simpson's rule: int m dP = int U (q - q_exit)/H^3 dx up to the exit
+    // second equation, by Simpson's rule from node to exit: int m dP = int U (q - q_exit)/H^3 dx
     const quantity first = rise_over_cube(&mass_here, &at_exit, &film_here);
     const quantity second = rise_over_cube(&between, &at_exit, &film_between);
     const double length = offset * step * entrainment / 6;

@@ -56,7 +56,8 @@ double film_nijenbanning_ellipse(double moes_M, double moes_L, double radius_rat
 /* Returns H of the circular contact: film_nijenbanning_ellipse divided by (3 M/2)^(2/3). */
 double film_nijenbanning(double moes_M, double moes_L);
 
-/* Returns H at the centre by film_moes for lines, else by film_nijenbanning_ellipse. */
+/* Returns H at the centre by film_moes for lines, else by film_nijenbanning_ellipse, converted from
+ * Moes units. */
 double film_central(const ehd_contact *contact);
 
 /* Returns these numbers for the present state of a contact. Most formulas depend only on M and

@@ -37,7 +37,7 @@ static double film_at(const film *self, size_t node) {
 }
 
 /* Descends along the line from a node to a minimum of the film, and returns the node of this
- * minimum. The two nodes at either end of the line are skipped. */
+ * minimum. The first two and the last two nodes of the line are skipped. */
 static size_t lowest_along(const film *self, size_t node) {
     const size_t first = node - node % self->width + 2, last = first + self->width - 5;
 

@@ -87,7 +87,8 @@ static inline int reynolds_stencil_size(const ehd_grid *grid) {
     return grid->discretization == DISCRETIZATION_CROSS_FLUX ? NUM_STENCIL : NUM_CROSS_STENCIL;
 }
 
-/* Return how many nodes a stencil extends back, and how many it extends ahead and across. */
+/* Return how many nodes a stencil extends back along the entrainment, and how many it extends ahead
+ * and across. */
 size_t reynolds_reach_back(const ehd_grid *grid);
 size_t reynolds_reach_ahead(const ehd_grid *grid);
 

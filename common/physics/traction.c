@@ -203,7 +203,7 @@ void contact_surface_stresses(double *on_1, double *on_2, const ehd_contact *con
     const ehd_grid *grid = &contact->grid;
     ehd_contact around = *contact;
 
-    // far_speed may have been set only to scale the sliding
+    // the far field needs the entrainment; far_speed may have been set only to scale the sliding
     around.far_speed = contact->entrainment;
     for (size_t k = 0; k < grid->num_nodes; k++)
         on_1[k] = on_2[k] = 0;

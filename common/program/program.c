@@ -592,7 +592,7 @@ static ehd_status check_arguments(const program *self, const program_mode *mode,
     return EHD_OK;
 }
 
-/* Prints the help of the mode, for the mode without a word after the usages of all modes. */
+/* Prints the help of the mode. The help of the mode without a word starts with all usages. */
 static void print_help(const program *self, struct argp argp, void (*tail)(void)) {
     char *name = strdup(self->name), *usages = NULL;
     size_t size;

@@ -74,7 +74,8 @@ typedef struct program {
 typedef enum output_use { OUTPUT_OPTIONAL, OUTPUT_NEEDED, OUTPUT_NONE } output_use;
 
 /* A mode of a program, "romrun cases SCENE.yml CASES.csv". Usage, --help and refusals follow from a
- * table of modes. The first argument, or a hidden option such as --cases, chooses the mode. */
+ * table of modes. The first argument, or a hidden option such as --cases (the earlier spelling),
+ * chooses the mode. */
 typedef struct program_mode {
     const char *word; // "cases"; NULL: the mode without a word, which is the first row
     // word, arguments and options; with the prefix "  or:  romrun [OPTION...] " at most 79 columns,

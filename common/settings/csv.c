@@ -132,7 +132,7 @@ static char *unquote(char *field, char separator) {
     return end;
 }
 
-/* Returns the next field of a record, NULL after the last one. *rest becomes the rest of it. */
+/* Returns the next field of a record, and in *rest what follows it. NULL after the last field. */
 static char *next_field(char **rest, char separator) {
     if (!*rest) return NULL;
     const char stops[] = {separator, '\0'};

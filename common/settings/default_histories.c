@@ -137,8 +137,8 @@ static bool is_wanted(const default_histories *self, const choice *of) {
     return wanted;
 }
 
-/* Finds trajectory `number`; the trajectories of a quantity or of a pair are consecutive. Returns
- * number + 1, or the number of all trajectories if this number is less. */
+/* Finds the trajectory `number`; the trajectories of a quantity or of a pair are consecutive.
+ * Returns `number` + 1, but at most the count of all trajectories. */
 static size_t choose(choice *chosen, const default_histories *self, size_t number) {
     const size_t num = self->num_quantities;
     size_t count = 0;

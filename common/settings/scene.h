@@ -14,7 +14,8 @@ enum { VARY_LOAD, VARY_SPEED, VARY_RADIUS, VARY_MODULUS, VARY_APPROACH, NUM_VARY
 enum { MAX_FACTOR = 1000 };                    // largest magnitude of a factor
 extern const char *const vary_names[NUM_VARY]; // "load", …: the keys of their histories
 
-/* The history of one quantity: a factor on its reference value over T = u_ref t / a_ref. */
+/* The history of one quantity: a factor on its reference value, as a function of T = u_ref t /
+ * a_ref. */
 typedef struct history_settings {
     char law[16];          // constant, sine, ramp, step, table
     double amplitude;      // dimensionless

@@ -58,7 +58,8 @@ static bool has_viscosity_of_law(const scene *of) {
 }
 
 /* Counts the keys of `physical` that every contact needs. If the speed of one surface is given, the
- * speeds of both count in place of the mean speed. A viscosity of the law's own does not count. */
+ * speeds of both count in place of the mean speed. physical.viscosity does not count if the law has
+ * a viscosity of its own. */
 static key_count count_physical(bool *both_speeds, bool viscosity_of_law, const scene *of) {
     static const char *const own[] = {"physical.speed_1", "physical.speed_2"};
     const setting *mean = setting_find("physical.speed");

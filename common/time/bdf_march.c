@@ -105,7 +105,8 @@ static double local_error(bdf_march *self, double central_film) {
 
 // ---- steps
 
-/* Restores the ring if the last attempt began at the passing state. */
+/* Restores the ring of accepted states if the last attempt began at a passing state (README.md,
+ * Steps of another integrator). */
 static void forget_attempt(bdf_march *self) {
     if (self->promoted) self->ring = self->accepted;
     self->promoted = false;

@@ -262,8 +262,8 @@ static next_stop find_next_stop(const march *self) {
     const double time = state->time, step = step_of_surface(self);
     const double distance = least_distance(time, step);
     const double fixed = self->settings.fixed_step, end = self->settings.end_time;
-    // Events up to this time were treated as the end of the last step. If the step has become
-    // shorter since then, an event may now be too far ahead for this.
+    // Events up to `since` counted as the end of the last step. If the step has become shorter, an
+    // event that counted may now be farther ahead than `distance`; it is then an event again.
     const double since = fmax(time, fmin(state->last_event, time + distance));
     bool jump;
     const double kink = histories_next_kink(self->histories, since, &jump);

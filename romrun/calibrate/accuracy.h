@@ -31,7 +31,8 @@ ehd_status accuracy_choose(
     // input:
     const trade_table *table, double accuracy, bool in_time, const char *name, ehd_error *error);
 
-/* Returns the tolerance of a solver: a fiftieth of the accuracy, at least 1e-8. */
+/* Returns the tolerance for online_solver_set_tolerance: a fiftieth of the accuracy, at least
+ * 1e-8. */
 double accuracy_tolerance(double accuracy);
 
 /* Returns the limit of both films' error estimates: the accuracy, or 1 % if it is not given (0). */

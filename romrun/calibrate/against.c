@@ -177,7 +177,7 @@ void against_print(const run_result *result, const stored_result *stored, const 
 typedef struct time_deviation {
     double largest;     // relative
     double at;          // time T of the largest deviation
-    double sum, length; // integral of |relative deviation| over T; length in T
+    double sum, length; // integral of |relative deviation| over T; integrated span of T
 } time_deviation;
 
 /* Returns a value of the second run. `near`: index of the spline interval, in and out. */
@@ -190,7 +190,7 @@ static double value_at(double time, const double *other_time, const double *othe
     return spline_value(between, time, *near);
 }
 
-/* Adds the deviations between sections of both runs; the second one has three times or more. */
+/* Adds the deviations between sections of both runs. `num_other` is at least 3 (time points). */
 static ehd_status add_deviations(time_deviation *deviation, const double *time,
                                  const double *values, size_t num_times, const double *other_time,
                                  const double *other_values, size_t num_other, ehd_error *error) {

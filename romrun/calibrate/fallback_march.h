@@ -13,10 +13,11 @@
 typedef struct fallback_march fallback_march;
 
 /* Creates a march with fallback. `reduced` must outlive the march, and nothing else may use it.
- * `accuracy`: accuracy of the films. A tenth of the accuracy limits the error estimate of a reduced
- * step. The same tenth limits the difference between the films of both models before the reduced
- * model may return. `distrust`: reason why the full model takes all steps; NULL: the full model
- * takes only single steps. Errors: EHD_MEMORY. */
+ * `accuracy`: accuracy of the films. A reduced step is accepted only if its error estimate is at
+ * most a tenth of the accuracy. After a step of the full model, the reduced model takes the next
+ * step only if the films of both models differ by at most the same tenth. `distrust`: reason why
+ * the full model takes all steps; NULL: the full model takes only the steps that the reduced model
+ * cannot take. Errors: EHD_MEMORY. */
 ehd_status fallback_march_create(
     // output:
     fallback_march **self, // free with fallback_march_free

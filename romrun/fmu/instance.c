@@ -708,7 +708,7 @@ static bool outputs_at(fmu_instance *self, double outputs[FMU_NUM_VARIABLES],
            (!stationary || respond(self, &at, result.load, outputs));
 }
 
-/* Computes the derivatives that are NaN by central differences, from repeated steps. */
+/* Computes the derivatives that are NaN by central differences of repetitions (`repeat`). */
 static bool by_differences(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                            const unsigned knowns[], size_t num_knowns, const double direction[],
                            double derivative[]) {

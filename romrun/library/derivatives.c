@@ -4,9 +4,9 @@
 
 #include <math.h>
 
-/* Returns the contact of the last ehdrom_solve. The approach of a line contact is measured from
- * approach_length or its default. From 1 half width, as in ehdrom_solve, the derivative has no
- * meaning. */
+/* Returns the contact of the last ehdrom_solve, but the approach of a line contact is measured from
+ * approach_length or, if this is not set, far_approach_length. Measured from 1 half width, as in
+ * ehdrom_solve, its derivative has no meaning. */
 static ehd_contact contact_from_afar(const ehdrom_contact *self) {
     const double length = self->settings.approach_length;
     ehd_contact contact = self->solved;

@@ -32,8 +32,8 @@ typedef struct reduced_states {
     size_t num_unknowns;     // n_p + n_delta + 1
     double *coordinates;     // [num_states, num_unknowns]: pressure, deformation, rigid approach
     size_t num_lines;        // grid lines, with the boundary lines of a point contact
-    size_t *exit;            // [num_states, num_lines] first column without pressure, counted from
-                             // the boundary node; line contact: a grid node
+    size_t *exit;            // [num_states, num_lines] first column without pressure, where column
+                             // 0 is the boundary node; line contact: a grid node
     double *moes_M;          // [num_states]
     double *alpha_p_H;       // [num_states]
     flow_thinning *thinning; // [num_states] thinning of the flow
@@ -160,7 +160,7 @@ typedef struct exit_checkpoints {
  * computed (start_shift.h). */
 typedef struct start_shift {
     size_t first, num_nodes; // index in needed_node of the first node behind X = 0, and number of
-                             // nodes from there on; 0: no shift
+                             // nodes from there on; num_nodes 0: no shift
     double *x;               // [num_nodes]
     double *pressure;        // [num_states, num_nodes] interpolated from the profiles
     double *fit;    // [num_nodes, num_pressure] coordinates of the modes that fit a pressure of 1

@@ -16,7 +16,7 @@ enum trade_quantity {
     TRADE_CENTRAL_FILM,
     TRADE_MINIMUM_FILM,
     TRADE_CENTRAL_PRESSURE,
-    TRADE_PRESSURE, // largest at a node, Hertz pressures; the other differences are relative
+    TRADE_PRESSURE, // largest difference at a node, Hertz pressures; the others are relative
     NUM_TRADE_QUANTITIES
 };
 enum trade_quantile { TRADE_MEDIAN, TRADE_95, TRADE_WORST, NUM_TRADE_QUANTILES };
@@ -32,8 +32,8 @@ enum { OF_CENTRAL_FILM, OF_MINIMUM_FILM, OF_OTHERS, NUM_BOUNDED = OF_OTHERS + NU
 
 /* Shape of an error estimate. The estimate is a factor times the least of three terms:
  *   bound                            the factor is the same for all scenes
- *   (share + growth bound) bound     the factor grows with the bound, since influences are linear
- *                                    and hold only for small errors
+ *   (share + growth bound) bound     the factor grows with the bound: the effect of residuals on
+ *                                    results is linearised, which holds only for small errors
  *   offset + offset_share bound      for exits at nodes, whose errors no residual contains */
 typedef struct indicator_shape {
     double share, growth;

@@ -263,7 +263,7 @@ typedef struct online_state {
     double time;             // T
     contact_scalars scalars; // scalars in the reference frame; load relative to the reference
     double half_width;       // half width of the frame, relative to the reference; 0: bodies apart
-    double local_error;      // relative error of the central film by this step; 0: not known yet
+    double local_error;      // film error by this step, relative to the central film; 0: not known
     // Estimated relative errors of the films, compared with the full model with the same steps. An
     // error stays in the film until the fluid has left the contact. NaN: the model is not
     // calibrated on trajectories.

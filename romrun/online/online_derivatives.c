@@ -22,11 +22,11 @@ typedef struct solved_frame {
     bool *linearised; // true: the tangent is linearised at this solution, for all directions
 } solved_frame;
 
-/* Relative distance between the two sets of conditions of a central difference (distance_of). For
- * the line contact of scenes/examples, distances of 2e-3 to 2e-5 change the derivatives of central
- * and minimum film by load and speed by less than 1e-6. A distance of 2e-2 changes them by 6e-4,
- * and a distance of 2e-7 by 6e-5 (test_derivatives.c,
- * derivatives_of_lines_are_those_of_differences). */
+/* Relative distance between the two sets of conditions of a central difference (distance_of). Only
+ * the residuals of the rows are differenced, at fixed coordinates. For the line contact of
+ * scenes/examples, distances of 2e-3 to 2e-5 change the derivatives of central and minimum film by
+ * load and speed by less than 1e-6. A distance of 2e-2 changes them by 6e-4, and a distance of 2e-7
+ * by 6e-5 (test_derivatives.c, derivatives_of_lines_are_those_of_differences). */
 static const double DISTANCE = 2e-4;
 
 /* Returns the distance of a central difference, as a multiple of `direction`; 0 for direction 0. */

@@ -452,8 +452,9 @@ static ehd_status solve_under_load(reduced_info *info, reduced_march *self,
 
 /* Finds the load at the given approach by fixed-point iteration: the load of each stationary
  * solution rescales the frame of the next one. The iteration may end in a cycle, because solutions
- * have a tolerance and exits are nodes. Any frame of the cycle is accepted, since its load is off
- * by only 64e-9 (line contact of scenes/examples/oscillator under 0.952 of its load). */
+ * have a tolerance and exits are nodes. Any frame of a cycle with a small error of the load is
+ * accepted (line contact of scenes/examples/oscillator under 0.952 of its load: relative error
+ * +-64e-9). */
 static ehd_status find_load(reduced_info *info, reduced_march *self, contact_frame *frame,
                             ehd_error *error) {
     // Largest number of rescalings, and largest relative error of the load in a cycle

@@ -176,10 +176,11 @@ static size_t node_with_flux(exit_query *query, double flux, size_t node, size_t
 }
 
 /* Finds the exit of a stationary line contact within the window, and returns it. A negative
- * pressure moves the exit upstream, a negative multiplier at the exit moves it downstream: to the
- * first node, counted from the negative value on, at which the film alone carries the flux. If the
- * exit moved to the negative pressure itself, some iterations would end with an exit ten nodes too
- * far upstream, with all signs right (scenes/studies/stationary-line: minimum film 1 % off). */
+ * pressure moves the exit upstream, a negative multiplier at the exit moves it downstream. In both
+ * cases it moves to the first node, counted from the negative value on, at which the film alone
+ * carries the flux. If the exit moved to the negative pressure itself, some iterations would end
+ * with an exit ten nodes too far upstream, with all signs right (scenes/studies/stationary-line:
+ * minimum film 1 % off). */
 static size_t find_by_flux(exit_query *query) {
     const reduced_model *model = query->search->model;
     const band_line *band = &model->band.lines[0];

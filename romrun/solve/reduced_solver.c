@@ -229,7 +229,7 @@ static iterate take_step(reduced_state *state, reduced_solver *self, const itera
 }
 
 /* The iteration has converged if the next iteration would change P by less than this limit, Hertz
- * pressures. Sixty contacts around scenes/examples/line take 258 iterations with limits of 1e-4 and
+ * pressures. Sixty contacts around scenes/examples/line take 258 iterations both with 1e-4 and with
  * 1e-2. With 1e-6 they take 282, and the films change by less than 1e-10. */
 static const double PRESSURE_TOLERANCE = 1e-4;
 

@@ -10,10 +10,10 @@
 #include "romrun/state/reduced_state.h"
 #include <stdbool.h>
 
-/* Solves the least-squares problem of an iteration, step = argmin |matrix step + right|: the
- * weighted rows before the exit in the model's order, then the linear equations. Tests and research
- * programs may set a function with another method or other weights in reduced_settings.
- * EHD_NOT_CONVERGED: there is no solution. */
+/* Solves the least-squares problem of an iteration, step = argmin |matrix step + right|. The
+ * matrix has the weighted rows before the exit in the model's order, then the linear equations.
+ * Tests and research programs may set a function with another method or other weights in
+ * reduced_settings. EHD_NOT_CONVERGED: there is no solution. */
 typedef ehd_status reduced_linear_solver(double *step, // out: [num_unknowns]
                                          void *context,
                                          const double *matrix, // [num_rows, num_unknowns]
@@ -145,8 +145,9 @@ void reduced_row_values(double *pressure, double *mass, const reduced_solver *so
 
 /* Factorises the Jacobian at a state and keeps the factors for later time steps. With a squeeze
  * term, reduced_solve then iterates with the kept factors first, and computes new Jacobians only if
- * that iteration fails. The result differs by the product of the remaining residual and the change
- * of the Jacobian. The factors depend on the arguments alone, so they can be computed again. */
+ * that iteration fails. With kept factors the result differs by the product of the remaining
+ * residual and the change of the Jacobian. The factors depend on the arguments alone, so they can
+ * be computed again. */
 void reduced_keep_factors(reduced_solver *solver, const reduced_state *state,
                           const ehd_contact *contact, double rate);
 void reduced_drop_factors(reduced_solver *solver);

@@ -10,7 +10,7 @@
 #include "romrun/model/reduced_cut.h"
 #include "romrun/state/reduced_state.h"
 
-/* Fields of coordinates at the present exit line. */
+/* Pressure and film that belong to reduced coordinates, at the present exit line. */
 typedef struct node_fields {
     reduced_values values;   // values at the exit's checkpoint; not filled if the caller has them
     double *pressure, *film; // [num_needed] P, zero behind the exit, and H (step: without the gap)

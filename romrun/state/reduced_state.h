@@ -45,7 +45,7 @@ typedef struct reduced_values {
     double *cut;       // [rows of the cut table] the checkpoint's cut table times z
 } reduced_values;
 
-/* Allocates the arrays, which belong to no checkpoint until computed. Errors: EHD_MEMORY. */
+/* Allocates the arrays. No checkpoint is set yet. Errors: EHD_MEMORY. */
 ehd_status reduced_values_init(reduced_values *values, const reduced_model *model,
                                ehd_error *error);
 void reduced_values_free(reduced_values *values);

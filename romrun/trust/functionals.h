@@ -51,7 +51,8 @@ reduced_errors functionals_other_errors(
     functionals *self, reduced_solver *solver,
     // input:
     const reduced_state *state, const ehd_contact *contact,
-    const double *added); // [rows of the model] squared residuals of the control rows near each row
+    const double *added); // [rows of the model] added to the square of the row's residual: sum of
+                          // the squared residuals of the control rows nearest to this row
 
 /* Returns the error of P at that node of a row at which P is largest, in a fraction of the time of
  * functionals_other_errors. */

@@ -24,7 +24,8 @@ struct indicator {
     double *influence;       // [rows of the model] influence of rows on a film
     size_t *nearest;         // [num_rows] nearest row of the model with an influence
     size_t *nearest_of_all;  // [num_rows] nearest row of the model, even without influence
-    double *added; // [rows of the model] squared residuals of the control rows near the row
+    double *added; // [rows of the model] sum of the squared residuals of the control rows whose
+                   // `nearest` is this row
     arena memory;
 };
 

@@ -108,7 +108,7 @@ void time_indicator_add_local(time_indicator *self, const double errors[NUM_REDU
                               const contact_scalars *scalars, const contact_frame *then,
                               const contact_frame *now);
 
-/* Accept the errors of the attempted step, and set all errors to zero. */
+/* _keep accepts the errors of the attempted step, _clear sets all errors to zero. */
 void time_indicator_keep(time_indicator *self);
 void time_indicator_clear(time_indicator *self);
 

@@ -97,7 +97,7 @@ static void take_away(const edited *self, const char *name) {
         H5Ldelete(self->file, name, H5P_DEFAULT);
 }
 
-/* Attaches or detaches the scales of all pairs of a field and an axis to which `name` belongs. */
+/* For each pair of a field and an axis of which one has this name, attaches or detaches the scale. */
 static void set_scales(const edited *self, const char *name, bool attach) {
     const artefact_field *field = self->schema ? self->schema->fields : NULL;
     for (; field && field->name; field++) {

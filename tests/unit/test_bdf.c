@@ -121,7 +121,8 @@ static void a_step_much_longer_than_the_last_is_of_lower_order(void **state) {
     }
 }
 
-/* States 1e-7 apart in time have errors of 1e-9. A step of 0.1 must not amplify these errors. */
+/* States 1e-7 apart in time have errors of 1e-9. The error after a step of 0.1 must also be about
+ * 1e-9. */
 static void a_short_step_does_not_enlarge_what_states_are_off(void **state) {
     (void)state;
     const double off = 1e-9, values[BDF_PREVIOUS] = {1 + off, 1 - off, 1};

@@ -151,8 +151,8 @@ static double *hertz_deflection(const ehd_contact *contact) {
     return values;
 }
 
-/* Returns the film's largest deviation from the dry contact: zero inside, (|X| sqrt(X^2-1) - ln(|X|
- * + sqrt(X^2-1)))/2 outside, with Delta(0) = 1/4 + ln(2)/2. */
+/* Returns the film's largest deviation from the film of the dry contact: zero inside,
+ * (|X| sqrt(X^2-1) - ln(|X| + sqrt(X^2-1)))/2 outside, with Delta(0) = 1/4 + ln(2)/2. */
 static double line_deviation(double step) {
     const ehd_contact contact = line_contact(step);
     double *values = hertz_deflection(&contact), worst = 0;
@@ -202,7 +202,8 @@ static void hertz_pressure_deflects_a_point_as_hertz(void **state) {
 
 // ---- order of convergence, threads and faults
 
-/* Returns the error of the central deflection under (1 - R^2)^3, whose integral is known. */
+/* Returns the error of the central deflection under the pressure (1 - R^2)^3, whose integral is
+ * known. */
 static double error_of_smooth(ehd_contact contact, ehd_discretization discretization,
                               double expected) {
     contact.grid.discretization = discretization;

@@ -234,8 +234,8 @@ static ehd_contact ellipse_on(double k, size_t cells) {
     return contact;
 }
 
-/* Computes the largest deviations of gap plus deflection: `inside` the ellipse from the value at
- * the centre, `outside` the ellipse on Y = 0 from the dry gap. */
+/* Computes the largest deviations of gap plus deflection. `inside`: from the value at the centre,
+ * inside the ellipse. `outside`: from the dry gap, outside the ellipse on Y = 0. */
 static void deviations_under_hertz(double *inside, double *outside, double k, size_t cells) {
     const ehd_contact contact = ellipse_on(k, cells);
     const ehd_grid *grid = &contact.grid;

@@ -12,8 +12,9 @@ typedef struct profile {
     double middle, along, across;
 } profile;
 
-/* Integrates sliding and flow over the film by the midpoint rule. The stress at z is (middle[0] + x
- * z, middle[1] + y z). The fluid shears at the rate sinh(stress) in its direction. */
+/* Integrates sliding and flow over the film by the midpoint rule. The stress at z is
+ * (middle[0] + x z, middle[1] + y z). The fluid shears at the rate sinh(stress) in the direction of
+ * the stress. */
 enum { SLID, SLID_ACROSS, FLOW, FLOW_ACROSS, NUM_SUMS };
 
 static void integrate(double sums[NUM_SUMS], const double middle[2], double x, double y) {

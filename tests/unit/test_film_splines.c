@@ -22,7 +22,8 @@ static ehd_error error;
 #define check_ok(call)                                                                             \
     if (call) fail_msg("%s", error.text)
 
-/* Fills the equal state of the full model. The film is computed from its definition. */
+/* Fills the state of the full model that equals the reduced state. The film is computed from its
+ * definition. */
 static void fill_full(previous_state *full, previous_carrier *carrier, const previous_film *reduced,
                       const reduced_basis *basis, const ehd_contact *reference) {
     const ehd_grid *grid = &basis->grid;

@@ -80,7 +80,8 @@ static void frame_at_rest_is_finite(void **state) {
     assert_true(isfinite(contact.moes_L) && contact.lambda > 0);
 }
 
-/* Returns the film at a place of the reference frame, in its units, by formulas without frames. */
+/* Returns the film at a place of the reference frame, by formulas that do not use frames. The half
+ * width and the Hertz pressure of the reference are the units. */
 static double film_by_hand(double x, const double *place, const double *pressure, size_t count,
                            double step, const double *factor, double approach) {
     double film = approach + x * x / (2 * factor[2]);

@@ -377,7 +377,8 @@ static void ramps_end_in_the_stationary_contact(void **state) {
 
 // ---- the approach given
 
-/* Returns the usual contact. Its approach is relative to a point as far away as is allowed. */
+/* Returns the usual contact with an approach that is measured at the farthest place that the
+ * settings allow. */
 static scene measured_scene(const char *transient) {
     scene of = usual_scene(transient);
     of.approach_length = 10;
@@ -819,7 +820,8 @@ static void both_ways_of_carrying_lead_to_one(void **state) {
 
 // ---- effect of the time steps on the films
 
-/* Returns the root mean square over the second half of a run, without films of the start. */
+/* Returns the root mean square over the second half of a run, in which the films of the start have
+ * left the contact. */
 static double mean_of(const double *values, size_t count) {
     double sum = 0;
 

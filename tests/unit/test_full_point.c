@@ -345,7 +345,8 @@ static void large_grids_satisfy_the_problem(void **state) {
     assert_false(full_is_large(&usual.grid));
 }
 
-/* Compares films in Moes units with Venner and Lubrecht's multigrid program (bench_point.c). */
+/* Compares films in Moes units with the converged digits of Venner and Lubrecht's multigrid program
+ * (bench_point.c). */
 static void digits_of_the_multigrid_program(void **state) {
     (void)state;
     const ehd_contact contact =
@@ -374,7 +375,7 @@ static void fine_grids_take_few_iterations(void **state) {
         ehd_contact contact =
             sample_point("barus", "dowson-higginson", moes_M[i], moes_L[i], 128, true);
         problem solved;
-        // open boundary: 7 and 5 Newton iterations, 44 and 55 GMRES iterations
+        // with an open boundary the contacts take 7 and 5 Newton, and 44 and 55 GMRES iterations
         contact.grid.boundary = BOUNDARY_ZERO;
         problem_solve_cold(&solved, &contact, &settings);
         newton += solved.info.newton_iterations;

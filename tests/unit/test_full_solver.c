@@ -357,8 +357,8 @@ static void the_cell_is_part_of_the_linear_system(void **state) {
 }
 
 /* On so fine a grid, round-off leaves residuals of 5e-12. If the tolerance is smaller, as in
- * training, the iteration ends when the residuals no longer fall. This contact takes 6 iterations.
- * Waiting for a residual below 1e-12 by chance would take 47 iterations. */
+ * training, the iteration ends when the residuals no longer fall. On its default grid this contact
+ * takes 6 iterations. Waiting for a residual below 1e-12 by chance would take 47 iterations. */
 static void rounding_ends_the_iteration(void **state) {
     (void)state;
     full_settings settings = full_default_settings();

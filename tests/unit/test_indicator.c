@@ -44,7 +44,8 @@ enum { NODES = 12, MODES = 2, SELECTED = 3 };
 static const size_t selected[SELECTED] = {1, 4, 9};
 
 /* Makes two residuals for each of three states. The first is not converged and large at node 5. The
- * second is a sum of the modes plus an ever smaller deviation at node 7, 2 or 10. */
+ * second is converged: a sum of the modes plus a deviation at node 7, 2 or 10, which decreases from
+ * state to state. */
 static void make_snapshots(double residuals[6][NODES], double modes[MODES][NODES]) {
     const size_t places[] = {7, 2, 10};
 

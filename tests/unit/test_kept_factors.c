@@ -75,7 +75,8 @@ static reduced_info take_time_step(time_step *self, double shorter) {
 }
 
 /* Factors of the same step are as good as a new Jacobian. Factors of a step shorter by a sixth take
- * a few iterations more. A step a third as long would give a rate of 2/3 and is not used. */
+ * a few iterations more. Factors of a step a third as long would converge at a rate of 2/3, so the
+ * solver does not use them. */
 static void kept_factors_serve_steps_alike(void **state) {
     (void)state;
     for (size_t s = 0; s < TRAINED_STATES; s += 5)
@@ -117,7 +118,7 @@ static void slow_factors_are_replaced_near_the_solution(void **state) {
 /* Far from the solution, the rows use a mobility that is linear in the pressure: a tangent to the
  * curve of the mobility. At first the tangent touches at the higher of the current and the last
  * pressure. Later, where the pressure has risen, the tangent touches at this pressure. Where the
- * pressure has fallen, the tangent touches at the mobility of the linear rows. */
+ * pressure has fallen, the tangent touches where the mobility equals that of the linear rows. */
 static void rows_are_linear_about_other_pressures(void **state) {
     const size_t s = 5;
     const scene exponential = sample_scene("barus", "incompressible", 20, 10);

@@ -137,8 +137,9 @@ static double fluidity(double pressure, void *lubricant) {
     return exp(-log_viscosity(lubricant, pressure));
 }
 
-/* Checks the oils of Table 1 at several temperatures, and oils that hardly depend on pressure or
- * solidify at low pressure, against GSL's adaptive integration. Ours allocates no memory. */
+/* Checks the oils of Table 1 at several temperatures, oils whose viscosity hardly depends on
+ * pressure, and oils that solidify at low pressure, against GSL's adaptive integration. Our own
+ * integration allocates no memory. */
 static void alpha_is_the_integral_of_fluidity(void **state) {
     (void)state;
     static const struct {

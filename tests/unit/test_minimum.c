@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-/* A film whose minimum is 0.3, at a place in grid steps from node (30, 7). */
+/* A film whose minimum is 0.3, `along` and `across` grid steps away from node (30, 7). */
 typedef struct valley {
     ehd_grid grid;
     double along, across, third, fourth;

@@ -281,8 +281,9 @@ static void by_the_load_that_an_approach_leads_to(void **state) {
     free(self);
 }
 
-/* The modes of the next part cannot represent the last pressure exactly. The approach is therefore
- * changed so that the mean film, weighted by the pressure, stays the same. */
+/* The modes of the next part cannot represent the last pressure exactly. This error would change
+ * the whole film. The approach is therefore changed so that the mean film, weighted by the
+ * pressure, stays the same. */
 static void a_handed_film_is_as_thick_in_the_mean(void **state) {
     (void)state;
     const ehd_contact contact = marching_contact(&trained_on.line, 12, true);

@@ -118,8 +118,9 @@ static ehd_contact point_from(double moes_M, double moes_L, double length, doubl
 }
 
 /* Compares the estimate with the change of the film to the limit of long domains. The limit is
- * extrapolated, with a difference proportional to one over the length. For the minimum film the
- * estimate is only an upper bound. */
+ * extrapolated, with a difference proportional to one over the length. The films are computed on
+ * grids with twice the step, as in the estimate. For the minimum film the estimate is only an upper
+ * bound. */
 static void inlet_effect_of_a_point_contact(void **state) {
     (void)state;
     static const struct {
@@ -239,10 +240,10 @@ static void step_effect_is_what_a_fine_step_does(void **state) {
     }
 }
 
-/* At M = 100, L = 20 the error of the central film falls by a factor of 70, faster than with third
- * order, the highest order of the estimate. At M = 5 the error falls with first order, because the
- * place of zero pressure before the inlet depends on the step. At M = 20 both errors occur, with
- * opposite signs. */
+/* In the accurate discretisation, the error of the central film at M = 100, L = 20 falls by a
+ * factor of 70, faster than with third order, the highest order of the estimate. At M = 5 the error
+ * falls with first order, because the place of zero pressure before the inlet depends on the step.
+ * At M = 20 both errors occur, with opposite signs. */
 static void step_effects_are_of_the_right_size(void **state) {
     (void)state;
     static const struct {

@@ -121,7 +121,8 @@ static void row_derivatives(void **state) {
         }
 }
 
-/* The difference from the Newtonian rows is inversely proportional to the square of the stress. */
+/* The difference from the Newtonian rows is inversely proportional to the square of the Eyring
+ * stress. */
 static void thinned_rows_have_the_newtonian_limit(void **state) {
     (void)state;
     const ehd_contact contact = sample_contact("roelands", densities[1], 5, 6, 0.1);

@@ -336,8 +336,8 @@ static const struct {
      "transient.approach.at: found a value, expected none with the closure load"},
     {MOVING, "closure: approach\ntransient: {end_time: 1, load: {law: step, to: 1, at: 1}}\n",
      "transient.load.law: found a value, expected none with the closure approach"},
-    // keys that a history needs but does not have, or that it ignores; an error has only one
-    // reason, and each quantity has a law of its own
+    // Keys that a history needs but does not have, or that it ignores. Each text has one fault.
+    // Each quantity has another law, so that all laws are tested.
     {TRANSIENT, "load: {law: sine}",
      "s.yml:5: transient.load.amplitude, transient.load.period: found nothing, expected a value "
      "with the law sine"},
@@ -1138,8 +1138,9 @@ static void plan_combines_a_grid(void **state) {
     assert_null(of.points);
 }
 
-/* The points are first the corners of the region, then points exactly on its edges, then inner
- * points. No gap is more than a few times as large as in a regular grid of as many points. */
+/* The points of each density are first the corners of the region, then points exactly on its edges,
+ * then inner points. No gap is more than a few times as large as in a regular grid of as many
+ * points. */
 static void plan_fills_a_region(void **state) {
     enum { CANDIDATES = 400, EDGES = 4 * (CANDIDATES / 4 / 4) };
     double gap = 0;

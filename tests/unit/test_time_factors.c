@@ -101,7 +101,8 @@ static void test_a_step_that_is_far_off_decides_no_floor(void **state) {
     assert_true(factors.central_floor < 4e-4 && factors.minimum_floor < 4e-4);
 }
 
-/* Compares the mean with the means for other floors. The fit has a precision of 0.1 %. */
+/* The fit minimises the mean of the largest estimates (mean_of). Compares this mean with the means
+ * for other floors. The search of the fit has a precision of 0.1 %. */
 static void test_the_mean_is_the_smallest(void **state) {
     (void)state;
     make_steps(3);

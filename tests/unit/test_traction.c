@@ -57,7 +57,8 @@ static void laws_have_their_limits(void **state) {
         check_close(contact_shear_stress(&contact, pressure, film, 0), newton, 1e-12, 0);
         set_shear(&contact, "limiting", 1e6 * newton / pressure, NAN);
         check_close(contact_shear_stress(&contact, pressure, film, 0), newton, 1e-6, 0);
-        // near its characteristic stress a law is checked by the rate of shear for a stress
+        // near its characteristic stress a law is checked by its definition, the rate of shear for
+        // a stress
         const double tau0 = newton * hertz / 3, viscous = newton * hertz;
         set_shear(&contact, "eyring", tau0, NAN);
         double stress = contact_shear_stress(&contact, pressure, film, 0) * hertz;
@@ -148,7 +149,8 @@ static void plug_of_constant_film(void **state) {
         const traction_sums beyond = contact_traction_beyond(&contact, &scalars);
         const double here = -contact.lambda / 12 * slope * 0.3 / film;
         const double stress = here * viscosity_ratio(&contact, pressure);
-        // behind the last pressure the stress falls to its value without pressure within a step
+        // within a step behind the last node with pressure, the stress falls to its value without
+        // pressure
         double force = stress * cells * grid_cell(grid), ends = 0;
         for (size_t r = 0; r < grid->num_inner; r++) {
             const size_t k = grid_node_of_row(grid, r);
