@@ -7,7 +7,7 @@
 #include "romrun/model/model_file.h"
 
 typedef struct check_task {
-    const char *plan_text;     // the training plan as the training's files store it; NULL: none
+    const char *plan_text;     // text of the plan, as the training files store it; NULL: no plan
     const char *name;          // name of the file with the plan, for messages
     const char *settings;      // settings text of the model
     const char *const *inputs; // paths of the input files; ends with NULL

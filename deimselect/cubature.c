@@ -84,7 +84,8 @@ static void expand_state(cubature_fit *self, size_t state) {
         self->pressure[k] = fmax(self->pressure[k], 0);
 }
 
-/* Returns the number of training states that the fit uses, evenly spread (used_state). */
+/* Returns the number of training states that the fit uses. These states are evenly spread over all
+ * states of the basis (used_state). */
 static size_t num_used_states(const reduced_basis *basis) {
     return basis->states.num_states < MAX_STATES ? basis->states.num_states : MAX_STATES;
 }

@@ -114,7 +114,8 @@ static void append_row(interpolation *self, size_t row) {
     self->size++;
 }
 
-/* Returns the unselected row with the largest phi_f^2 + phi_J^2, the first of equal rows. */
+/* Returns the unselected row with the largest phi_f^2 + phi_J^2. If several rows have this value,
+ * returns the first of these rows. */
 static size_t worst_row(const interpolation both[2], const bool *selected) {
     size_t row = 0;
     double largest = -1.0;

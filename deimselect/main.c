@@ -109,7 +109,7 @@ static ehd_status check_fit(artefact *file, const reduced_basis *basis, const ch
 typedef struct residual_input {
     residual_reader reader; // the reader's file is closed if all snapshots are in memory
     residual_snapshots snapshots;
-    char *plan_text; // training plan (`settings` of the file); NULL: none
+    char *plan_text; // text of the training plan (`settings` of the file); NULL: no plan
 } residual_input;
 
 static void residual_input_close(residual_input *input) {

@@ -29,7 +29,8 @@ typedef struct residual_snapshots {
     size_t count;
     double *residuals; // [count, num_inner] D f; NULL: streamed by reader
     double *steps;     // [count, num_inner] D J dz; NULL: streamed by reader
-    int64_t *state;    // [count] index of the stationary training state, ascending; -1: none
+    int64_t *state;    // [count] index of the stationary training state to which the iteration
+                       // belongs, ascending; -1: the iteration belongs to no stationary state
     const residual_reader *reader; // NULL if all is in memory
 } residual_snapshots;
 
@@ -53,7 +54,8 @@ ehd_status residual_snapshots_hold(residual_snapshots *snapshots, size_t num_inn
                                    ehd_error *error);
 void residual_snapshots_free(residual_snapshots *snapshots);
 
-/* Returns the number of converged residuals (last iteration of each stationary state). */
+/* Returns the number of converged residuals, which are the residuals in the last iteration of each
+ * stationary state. */
 size_t residual_snapshots_converged(const residual_snapshots *snapshots);
 
 /* Computes the POD of all snapshots of one kind, with at most num_modes modes. If the snapshots are

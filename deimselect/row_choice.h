@@ -22,16 +22,19 @@ typedef struct row_choice {
     size_t *control;           // [num_control] grid nodes in order of choice
     double *factors;           // [num_rows] factors of the row weights, in addition to D
     size_t num_jacobian_modes; // min(unknowns, POD modes); 0 if the factors are given
-    double *jacobian_modes;    // [num_rows, num_jacobian_modes] modes of the products at the rows
-    double sigma_min_residual, sigma_min_jacobian; // smallest singular values of bases at the rows
-    double sigma_min_over_exits;
+    double *jacobian_modes;    // [num_rows, num_jacobian_modes] modes of the Jacobian products at
+                               // the rows
+    // smallest singular values of the bases sampled at the rows
+    double sigma_min_residual, sigma_min_jacobian;
+    double sigma_min_over_exits; // smallest value of sigma_min_by_exit
     double stability;          // 1/sigma_min relative to all rows, at the worst exit (stability.h)
-    double *sigma_min_by_exit; // [num_states] for the rows before the exit of each training state
+    double *sigma_min_by_exit; // [num_states] sigma_min of the rows before the exit of each state
 } row_choice;
 
 typedef struct row_settings {
     const given_rows *given;        // NULL: the method selects the rows
-    const selection_method *method; // with given rows, method, num_rows and stability are not used
+    const selection_method *method; // if rows are given, `method`, `num_rows` and `stability` are
+                                    // not used
     const weighting *weights;       // not used if factors are given
     size_t num_rows;    // number of rows to select; 0: two rows for each pressure mode, or fewer if
                         // the snapshots do not support so many

@@ -159,7 +159,8 @@ static void add_objective(double *objective, const sampled_basis *self) {
             log((1 + fmax(self->gain[i], 0)) / self->growth[i]) / (double)(2 * self->num_modes);
 }
 
-/* Returns the unselected node with the largest objective, the first of equal nodes. */
+/* Returns the unselected node with the largest objective. If several nodes have this objective,
+ * returns the first of these nodes. */
 static size_t best_row(const double *objective, const bool *selected, size_t num_nodes) {
     size_t row = num_nodes;
 

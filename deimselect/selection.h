@@ -18,8 +18,9 @@ typedef struct selection_bases {
     const double *singular_values[2]; // [num_modes]
     // modes that the rows have to determine at every exit:
     size_t num_leading;  // number of leading modes of each basis; 0: all modes
-    size_t num_lines;    // grid lines of equal length, nodes numbered line by line; 0: one line
-    size_t num_exits;    // different exits of training; neighbours in the list are similar
+    size_t num_lines;    // number of grid lines, which have equal lengths; the nodes are numbered
+                         // line by line; 0: one line
+    size_t num_exits;    // number of different exits of training; successive exits are similar
     const size_t *exits; // [num_exits, num_lines] number of nodes of each line before the exit;
                          // nodes behind the exit have no effect
 } selection_bases;
@@ -38,7 +39,7 @@ typedef struct selection_method {
     selection_function *select;
     size_t rows_per_mode; // largest number of rows for each mode of a basis; 0: no limit
     size_t copies;        // number of copies of a basis that the method makes
-    bool keeps_exits;     // holds arrays for all trained exit positions at once (stability.h)
+    bool keeps_exits;     // true: the method holds arrays for all exits at once (stability.h)
     const char *help;
 } selection_method;
 
@@ -46,7 +47,8 @@ extern const selection_method selection_methods[]; // ends with an entry whose n
 
 /* Method "joint": the algorithm of Maier et al. 2015, Fig. A1 (joint.c). */
 selection_function selection_joint;
-/* Method "qr": column-pivoted QR of both bases (Drmac and Gugercin 2016; pivoted_qr.c). */
+/* Method "qr": column-pivoted QR of both bases side by side (Drmac and Gugercin 2016;
+ * pivoted_qr.c). */
 selection_function selection_pivoted_qr;
 
 /* Method "sopt": oversampled S-OPT, started by pivoted QR (Lauzon et al. 2022; s_opt.c). */

@@ -17,23 +17,28 @@ typedef struct exit_block {
     const double *modes; // [num_modes, num_nodes]
     size_t num_modes;
     const size_t *num_before; // [num_lines] number of nodes of each line before the exit
-    size_t num_resolved;      // directions of the modes that do not vanish before the exit
+    size_t num_resolved;      // number of directions of the modes that do not vanish over these
+                              // nodes
     double *resolved;  // [num_modes, num_resolved] column-major: modes^T resolved is orthonormal
                        // over these nodes
-    double *gram;      // [num_resolved, num_resolved] Gram matrix of the selected rows
-    double smallest;   // smallest eigenvalue of gram, or a lower bound (is_known)
+    double *gram;      // [num_resolved, num_resolved] Gram matrix of the selected rows in these
+                       // directions
+    double smallest;   // smallest eigenvalue of `gram`, or a lower bound of it if is_known is false
     double *direction; // [num_resolved] eigenvector of `smallest`
     bool is_known;     // true: `smallest` and `direction` belong to the present `gram`
 } exit_block;
 
 struct row_stability {
     size_t num_nodes, num_lines, width; // width: number of nodes of a line
-    size_t *none, *all;                 // [num_lines] 0 and `width`: exits before, behind all nodes
-    size_t num_blocks;                  // for each exit and for all nodes, one for each basis
-    exit_block *blocks;                 // [num_blocks]
-    bool *selected;                     // [num_nodes]
+    // [num_lines] none: 0 on each line, an exit before all nodes; all: `width` on each line, an
+    // exit behind all nodes
+    size_t *none, *all;
+    size_t num_blocks;  // number of blocks: one of each basis for each exit and for all nodes
+    exit_block *blocks; // [num_blocks]
+    bool *selected;     // [num_nodes]
     // work arrays
-    double *running_gram[2]; // [num_modes, num_modes] over the nodes before the exit filled last
+    double *running_gram[2]; // [num_modes, num_modes] Gram matrices over the nodes before the exit
+                             // that was filled last
     double *row, *along;     // [num_modes of the larger basis]
     double *matrix, *values; // [num_modes, num_modes], [num_modes]
     arena memory;
@@ -49,7 +54,8 @@ static bool is_before(const exit_block *block, const row_stability *self, size_t
     return node % self->width < block->num_before[node / self->width];
 }
 
-/* Changes a Gram matrix of the modes from the nodes before exit `from` to those before `to`. */
+/* Changes the Gram matrix of the modes over the nodes before exit `from` to the matrix over the
+ * nodes before exit `to`. */
 static void move_gram(double *gram, const row_stability *self, const double *modes,
                       size_t num_modes, const size_t *from, const size_t *to) {
     for (size_t l = 0; l < self->num_lines; l++) {

@@ -30,7 +30,8 @@ row_stability *row_stability_free(row_stability *self); // accepts and returns N
 /* Returns the memory of a row_stability, bytes. */
 double row_stability_bytes(size_t num_leading, size_t num_exits);
 
-/* Adds a row to the selection. This never decreases the smallest singular value of an exit. */
+/* Adds a row to the selection. An added row never decreases the smallest singular value of an
+ * exit. */
 void row_stability_add(row_stability *self, size_t row);
 
 /* Computes the smallest singular value over all exits and both bases. The value is zero if too few

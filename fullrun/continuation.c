@@ -197,7 +197,8 @@ static double interpolated(const double *values, const ehd_grid *coarse, const e
 static void refine(full_state *state, const ehd_grid *grid, const full_state *from,
                    const ehd_grid *coarse) {
     size_t exit = 2 * from->exit - 1, last = grid->num_nodes - 1;
-    double offset = 2 * from->exit_offset; // in steps of the finer grid, from a node of both grids
+    double offset = 2 * from->exit_offset; // in steps of the finer grid, from a node that both
+                                           // grids have
 
     memset(state->pressure, 0, grid->num_nodes * sizeof(double));
     for (size_t r = 0; r < grid->num_inner; r++) {
@@ -223,7 +224,8 @@ static ehd_status start_coarse(bool *started, full_state *state, full_solver *so
 
     *started = false;
     coarse.grid = full_coarser_grid(&contact->grid);
-    // a tighter tolerance would not help: the coarse grid's discretisation error is larger
+    // the discretisation error of the coarse grid is larger than this tolerance, so a tighter
+    // tolerance would not help
     settings.tolerance = contact->kind->dimensions > 1 ? 1e-3 : 1e-6;
     settings.as_large |= full_is_large(&contact->grid);
     ehd_status status =
@@ -241,8 +243,9 @@ static ehd_status start_coarse(bool *started, full_state *state, full_solver *so
 
 ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solver,
                            const ehd_contact *contact, ehd_error *error) {
-    // Largest number of inner nodes along X on the coarsest grid. Coarser grids do not resolve the
-    // film, and save no iterations (line contact of 1201 nodes, point contact of 128 cells).
+    // Largest number of inner nodes along X on the coarsest grid. A still coarser grid would not
+    // resolve the film. It would also save no iterations, as measured on a line contact of 1201
+    // nodes and on a point contact of 128 cells.
     const size_t coarsest = contact->kind->dimensions > 1 ? 60 : 500;
     double before = program_seconds();
     ehd_status status = EHD_OK;

@@ -16,7 +16,7 @@
 static double seconds_of(const film_formula *formula, const film_numbers *numbers) {
     enum { TIMES = 2000 };
     const double before = program_seconds();
-    volatile double film; // keeps the compiler from dropping the loop
+    volatile double film; // volatile, so that the compiler does not remove the loop
 
     for (int i = 0; i < TIMES; i++)
         film = formula->film(formula, numbers);
@@ -58,7 +58,7 @@ void formulas_print(const contact_scalars *solution, const ehd_contact *contact)
     }
 }
 
-/* Prints friction coefficients for several slide-roll ratios, with the film of the formula. */
+/* Prints friction coefficients for some slide-roll ratios, with the film of the film formula. */
 static void print_curve(const ehd_contact *contact) {
     static const double curve[] = {0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1};
     const double film = film_central(contact);
@@ -93,7 +93,7 @@ void formulas_print_traction(const contact_traction *solution, const ehd_contact
 
 // ---- transient results
 
-/* A deviation, and as weight the duration for which this deviation holds. */
+/* A deviation, and the duration for which it holds. The duration is the weight in quantiles. */
 typedef struct weighted {
     double deviation, weight;
 } weighted;
@@ -117,7 +117,8 @@ static double quantile_in_time(const weighted *values, size_t count, double quan
     return values[i].deviation;
 }
 
-/* Returns the duration that a stored time stands for: half of each interval beside it. */
+/* Returns the duration that a stored time stands for: half of the interval before it and half of
+ * the interval after it. */
 static double duration_of(const time_series *series, size_t i) {
     const size_t last = series->num_times - 1;
 
@@ -131,8 +132,9 @@ static void print_deviations(weighted *deviations, size_t count) {
            100 * quantile_in_time(deviations, count, 0.5));
 }
 
-/* Returns the contact at a stored time, taken as stationary, and the film scale of its frame. The
- * load is taken from the result, because a scene may give the approach instead of the load. */
+/* Returns the contact at a stored time. The contact is taken as stationary. *film_scale is the film
+ * scale of its frame. The load comes from the result, because the scene may give the approach
+ * instead of the load. */
 static ehd_contact contact_at(double *film_scale, const time_series *series, size_t i,
                               const ehd_histories *histories, const ehd_contact *reference) {
     double values[NUM_VARY];
@@ -146,7 +148,8 @@ static ehd_contact contact_at(double *film_scale, const time_series *series, siz
     return contact;
 }
 
-/* Returns the index of the first stored time with the bodies in contact, else num_times. */
+/* Returns the index of the first stored time at which the bodies are in contact, or num_times if
+ * the bodies never touch. */
 static size_t first_contact(const time_series *series) {
     size_t first = 0;
 
@@ -179,7 +182,8 @@ static void print_formula_in_time(weighted *deviations, const film_formula *form
 }
 
 /* Prints how much the friction coefficient of the traction formula deviates from a transient
- * result. The contact at each time is taken as stationary, with the film of its film formula. */
+ * result. The contact at each time is taken as stationary. Its film is the film of the film
+ * formula. */
 static void print_traction_in_time(weighted *deviations, const time_series *series,
                                    const ehd_histories *histories, const ehd_contact *reference) {
     double scale, least = INFINITY, most = 0, outside = 0, total = 0;

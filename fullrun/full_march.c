@@ -26,11 +26,13 @@ struct full_march {
     ehd_contact reference;
     double start_film;
     full_solver *solver;
-    previous_state states[NUM_BDF_PLACES]; // at the places of `bdf` (bdf.h); PASSING is not used
+    previous_state states[NUM_BDF_PLACES]; // at the places of `bdf` (bdf.h); the place PASSING is
+                                           // not used
     previous_carrier carrier;
     double *entrained; // [num_inner] d/dX of rho H of the base, discretised as in the rows
     bool *noisy;       // [num_nodes] nodes left out of the local error
-    double *previous;  // [num_inner] BDF-weighted sum of rho H of the previous states
+    double *previous;  // [num_inner] sum of rho H of the previous states, weighted by the BDF
+                       // formula
     double *taken_up;  // [num_nodes] errors of rho H that the last attempt's film has accumulated
     double *kept;      // [num_nodes] errors of rho H that the last accepted film has accumulated
     double *film;      // [num_nodes] scratch for carried errors or for a film without its errors
@@ -65,8 +67,8 @@ double full_march_bytes(const ehd_contact *reference) {
 static double dry_start_film(const ehd_contact *reference) {
     const contact_kind *kind = reference->kind;
     const contact_shape *shape = &reference->grid.shape;
-    // reference speed / speed in the film formula (README.md, In time; test_full_march.c,
-    // start_at_rest)
+    // ratio of the reference speed to the speed in the film formula (README.md, In time;
+    // test_full_march.c, start_at_rest)
     const double slowness = 100;
     double moes_M = kind->moes_M(shape, reference->lambda / slowness);
     double moes_L = reference->alpha_p_H / kind->alpha_p_H(shape, moes_M, 1);
@@ -154,7 +156,8 @@ static void add_effort(full_march *self, const full_info *info) {
 
 // ---- the start
 
-/* Finds the stationary solution for a given load. At zero speed this is the dry contact. */
+/* Finds the stationary solution for a given load. At zero speed, sets the state to the dry
+ * contact. */
 static ehd_status start_with_load(full_info *info, full_march *self, const contact_frame *frame,
                                   ehd_error *error) {
     full_state *state = &state_before(self, 0)->state;
@@ -188,7 +191,8 @@ static double reference_approach(const full_march *self, const full_state *state
  * one_at_rest_is_part_of_the_start). */
 static const double MIN_STRIDE = 1. / 1024, SETTLED_LOAD = 1e-8;
 
-/* Continues from the solution of a given load to a given approach. Adapts the frame to the load. */
+/* Continues from the solution of a given load to the solution of a given approach. Adapts the frame
+ * to the resulting load. */
 static ehd_status continue_to_approach(full_info *info, full_march *self, contact_frame *frame,
                                        ehd_error *error) {
     const double wanted = frame->approach;
@@ -458,8 +462,9 @@ static void predict(full_march *self) {
             formula->predictor[i] * state_before(self, i + 1)->state.rigid_approach;
 }
 
-/* Adds up rho H of the previous states in the attempt's frame, weighted by the BDF formula. With
- * transport along the path, adds the entrainment of the base, the only entrainment in the rows. */
+/* Carries rho H of the previous states over into the attempt's frame, and adds up these values for
+ * the rows, weighted by the BDF formula. With transport along the path, the only entrainment in the
+ * rows is the entrainment of the base, which is added here. */
 static void carry_over(full_march *self, const contact_frame *frame) {
     const size_t num_inner = self->reference.grid.num_inner;
     const bdf_march *bdf = &self->bdf;
@@ -592,8 +597,8 @@ static void add_filter_errors(double *errors, full_march *self) {
  * errors that arise in the dry contact before the centre. Upstream of the dry contact, and around
  * spike and constriction, the pressure determines the film anew. If errors from these places were
  * added, the estimated effect on the minimum film of M = 20, L = 5 would be 18 % instead of 1.9 %.
- * The local errors are multiplied by the rate of the BDF formula. In BDF2 this enlarges errors that
- * each step adds by a factor of 3/2. */
+ * The local errors are multiplied by the rate of the BDF formula times the step. With equal steps
+ * this factor is 3/2, by which BDF2 enlarges errors that each step adds. */
 static void take_up_errors(full_march *self, const contact_frame *frame) {
     const ehd_grid *grid = &self->reference.grid;
     const bdf_formula *formula = &self->bdf.formula;
@@ -623,8 +628,8 @@ static double largest_taken_up(const full_march *self, const full_state *state,
     return largest;
 }
 
-/* Estimates the relative changes of the films in the limit of small steps, where the accumulated
- * errors vanish. */
+/* Estimates the relative changes of the films in the limit of small steps. For this, subtracts the
+ * accumulated errors from the film. */
 static void set_effects(march_step *outcome, const full_march *self, const full_state *state,
                         const ehd_contact *contact) {
     const size_t num_nodes = contact->grid.num_nodes;
@@ -888,8 +893,9 @@ full_march_effort full_march_effort_of(const full_march *self) {
 
 // ---- saving
 
-static const double RUPTURED = -1; // saved pressure of a ruptured node; no pressure is so low
-static const double NEVER = -1;    // saved for base_until = INFINITY
+static const double RUPTURED = -1; // is saved as the pressure of a ruptured node; no pressure is
+                                   // that low
+static const double NEVER = -1;    // is saved in place of base_until = INFINITY
 
 /* Saves rigid approach, exit, pressure and film, in this order. */
 static void save(double *target, const void *solver, size_t place) {

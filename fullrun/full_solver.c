@@ -25,7 +25,7 @@ struct full_solver {
     full_settings settings;
     bool large;            // result of full_as_large
     size_t part;           // result of full_part
-    team *threads;         // threads that share the work on a large grid; NULL: none
+    team *threads;         // threads that share the work on a large grid; NULL: one thread
     const double *surface; // [num_nodes] heights that add to the gap; NULL: smooth surfaces
     ehd_deflection *deflection;
     gmres_workspace *workspace;
@@ -77,8 +77,9 @@ full_solver *full_solver_free(full_solver *self) {
 }
 
 /* Number of inner nodes above which a grid is large. From 33 nodes a side on, multigrid takes half
- * of the time of the factors (README.md, Large point contacts). The limit is higher, so that the
- * grids of trainings and studies, up to 129 by 65 nodes, keep the round-off of their solutions. */
+ * of the time of the factors (README.md, Large point contacts). The limit is higher, because the
+ * grids of trainings and studies have up to 129 by 65 nodes, and multigrid would change the
+ * round-off of their solutions. */
 static const size_t LARGE = 10000;
 
 bool full_is_large(const ehd_grid *grid) {
@@ -471,9 +472,10 @@ static void move_exit(full_state *state, const ehd_grid *grid, double change) {
  * inexact_newton_ends_where_dense_does). */
 static const double MAX_FORCING = 0.01;
 
-/* Returns the relative tolerance of a linear system: loose far from the solution, at the end as
- * tight as Newton's tolerance needs (Eisenstat and Walker, SIAM J. Sci. Comput. 17, 1996). On a
- * line contact a system costs little, and the tolerance is always linear_tolerance. */
+/* Returns the relative tolerance of the linear system in an inexact Newton step (Eisenstat and
+ * Walker, SIAM J. Sci. Comput. 17, 1996). The tolerance is loose far from the solution. Near the
+ * solution it is as tight as Newton's tolerance requires. On a line contact a system costs little,
+ * and the tolerance is always linear_tolerance. */
 static double linear_tolerance(const full_solver *self, double residual) {
     const full_settings *settings = &self->settings;
 
@@ -533,7 +535,8 @@ static void move(full_solver *self, const ehd_contact *contact, const reynolds_s
     evaluate_rows(self, contact, squeeze, state);
 }
 
-/* Sums squares of scaled residuals in one part of the work. The first part adds the closure. */
+/* Sums the squares of the scaled residuals in one part of the work. The sum of the first part
+ * includes the closure. */
 static void square_some_rows(void *context, const team_part *part) {
     const evaluation *task = context;
     const full_solver *self = task->solver;
@@ -686,8 +689,9 @@ static void grow_intervals(full_solver *self, const full_state *state) {
 
 /* Sets the pressurised zone by a primal-dual active set: each node follows the sign of its pressure
  * or multiplier. This is a semismooth Newton step (Hintermueller, Ito and Kunisch 2003). Returns
- * whether the zone has changed. A node may change any number of times. With a limit of four, all
- * measured marches and 149 of 150 cold starts of point contacts would stay the same. */
+ * whether the zone has changed. The number of changes of a node is not limited. With a limit of
+ * four changes, all measured marches and 149 of 150 cold starts of point contacts would stay the
+ * same. */
 static bool adapt_zone(full_solver *self, full_state *state, bool in_time) {
     const ehd_grid *grid = &self->grid;
     size_t last = 0;
@@ -705,7 +709,8 @@ static bool adapt_zone(full_solver *self, full_state *state, bool in_time) {
         const bool wanted =
             open ? state->pressure[k] >= -noise : scaled_multiplier(self, k) < -noise;
         changed |= wanted != open;
-        self->index[k] = wanted ? WANTED : 0; // the next nodes need the old zone
+        self->index[k] = wanted ? WANTED : 0; // not yet stored in the state, because the next nodes
+                                              // need the old zone
     }
     if (line) changed |= mark_runs(self, state);
     if (!changed) return false;

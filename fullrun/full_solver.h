@@ -53,14 +53,15 @@ bool full_is_cut(const full_state *state, const ehd_grid *grid, bool backwards);
 
 typedef struct full_info {
     ehd_status status;        // EHD_OK or EHD_NOT_CONVERGED
-    size_t newton_iterations; // on the contact's own grid, over all stages of a continuation
+    size_t newton_iterations; // on the contact's own grid, summed over all stages of a continuation
     size_t gmres_iterations;
     // largest scaled residual of the load balance and of the Reynolds rows at nodes with pressure
     double residual;
     double complementarity; // violation of the exit conditions: max(-P), scaled max(-Lambda)
     double seconds;
-    double seconds_rows, seconds_linear; // parts of `seconds`: rows and deflection, linear systems
-    const char *reason;                  // why the iteration did not converge, or ""
+    // parts of `seconds`: seconds_rows for rows and deflection, seconds_linear for linear systems
+    double seconds_rows, seconds_linear;
+    const char *reason; // why the iteration did not converge, or ""
 } full_info;
 
 typedef struct full_system full_system;
@@ -81,11 +82,13 @@ typedef struct full_settings {
     double linear_tolerance;          // relative tolerance of GMRES; default 1e-8
     full_linear_solver *solve_linear; // default full_solve_gmres
     bool exit_at_node;                // all exits are at nodes, as in transient runs; default
-                                      // false: only where exit_is_within_node is false
+                                      // false: exits of stationary contacts are at nodes only if
+                                      // exit_is_within_node is false
     bool as_large;                    // solves point contacts of any size like large contacts; used
                                       // for the coarser grids of a large contact; default false
-    team *threads;                    // threads for one solution at a time on large grids; any
-                                      // number gives the same bits; NULL: one thread
+    team *threads;                    // threads that share the work on large grids, for one
+                                      // solution at a time. Any number of threads gives the same
+                                      // bits. NULL: one thread does all work
     full_watcher *watcher;            // NULL: the iteration is not watched
     void *watcher_context;
 } full_settings;
@@ -98,7 +101,7 @@ struct full_system {
     ehd_deflection *deflection;
     size_t num_unknowns;              // number of nodes with pressure
     const size_t *unknown;            // [num_unknowns] nodes of the unknowns, ascending
-    const size_t *index;              // [num_nodes] place of a node in `unknown`, else NO_NODE
+    const size_t *index;              // [num_nodes] place of a node in `unknown`, or NO_NODE
     const reynolds_stencil *stencils; // [num_inner], in the order of grid_node_of_row
     const reynolds_row *rows;         // [num_inner], of which the rows of the unknowns are used
     const double *row_scale;          // [num_inner], 1 / largest entry of the row
@@ -152,7 +155,8 @@ void full_solver_set_surface(full_solver *solver, const double *heights);
  * EHD_MEMORY. */
 ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *error);
 void full_state_free(full_state *state);
-/* Puts all inner nodes into the pressurised zone: Newton's start if no solution is known. */
+/* Puts all inner nodes into the pressurised zone. Newton's iteration starts from this zone if no
+ * solution is known. */
 void full_state_fill(full_state *state, const ehd_grid *grid);
 /* Sets the pressurised zone: on a line contact to the nodes before `exit`, on a point contact to
  * the nodes whose pressure is not zero. On a line contact, full_solve computes the position of the

@@ -37,16 +37,19 @@ enum { MAX_ITERATIONS = 80 };
  * for M = 200, L = 20 and 256 cells a side (test_full_point.c, fine_grids_take_few_iterations). */
 enum { CYCLE_WIDER = 2 };
 
-/* Factors of the band of one system, which may also precondition the next systems of Newton. */
+/* Factors of the band of one system. These factors may also precondition the next systems of
+ * Newton's iteration. */
 typedef struct near_factors {
-    void *numeric; // factors by UMFPACK; NULL: none, as with a multigrid cycle
+    void *numeric; // factors by UMFPACK; NULL: no factors, as with a multigrid cycle
     double control[UMFPACK_CONTROL];
     size_t num_unknowns;
     size_t *unknown; // [num_unknowns] nodes of the unknowns
     size_t *index;   // [num_nodes] place of a node in `unknown`, or NO_NODE
     double *border;  // [num_unknowns] w = B^-1 c
     double border_pivot;
-    size_t own_iterations, last_iterations; // GMRES iterations: factorised system, last system
+    // numbers of GMRES iterations. own_iterations: for the system that was factorised;
+    // last_iterations: for the last system
+    size_t own_iterations, last_iterations;
 } near_factors;
 
 struct gmres_workspace {
@@ -58,7 +61,7 @@ struct gmres_workspace {
     double *response; // [num_nodes] deflection of `spread`
     double *approach; // [size] c, the column of H0
     near_factors factors;
-    multigrid *cycle;         // multigrid, in place of the factors of the band; NULL: none
+    multigrid *cycle;         // replaces the factors of the band; NULL: the band is factorised
     size_t part;              // nodes of one part of the work that threads share
     double *of_part;          // [parts of num_nodes] sum of each part
     double *right, *solution; // [size] right side and solution of a system with the factors
@@ -175,7 +178,8 @@ static void spread_nodes(void *context, const team_part *part) {
         task->to[k] = index[k] == NO_NODE ? 0 : task->from[index[k]];
 }
 
-/* Computes y = J x at the unknowns of a part, and the part's sum for the load balance. */
+/* Computes y = J x at the unknowns of a part, and the sum that this part contributes to the load
+ * balance. */
 static void apply_rows(void *context, const team_part *part) {
     const vectors *task = context;
     const full_system *system = task->system;
@@ -451,7 +455,8 @@ static void sum_weighted(void *context, const team_part *part) {
     work->of_part[part->number] = sum;
 }
 
-/* Returns the sum of a vector over the factors' unknowns, with the weights of the load balance. */
+/* Returns the sum of a vector over the unknowns of the factors, with the weights of the load
+ * balance. */
 static double weighted_sum(const double *vector, full_system *system) {
     const gmres_workspace *work = system->workspace;
     const size_t count = work->factors.num_unknowns;
@@ -464,7 +469,8 @@ static double weighted_sum(const double *vector, full_system *system) {
     return sum;
 }
 
-/* Computes w = B^-1 c and the pivot of the closure's row. Returns false for a singular system. */
+/* Computes w = B^-1 c and the pivot of the closure's row. Returns false if the pivot is zero or not
+ * finite. */
 static bool solve_border(full_system *system) {
     gmres_workspace *work = system->workspace;
     near_factors *factors = &work->factors;
@@ -475,7 +481,8 @@ static bool solve_border(full_system *system) {
     return isfinite(factors->border_pivot) && factors->border_pivot != 0;
 }
 
-/* Factorises the band, or prepares a multigrid cycle. Returns false if the band is singular. */
+/* Factorises the band of the present system, or prepares a multigrid cycle for it. Returns false if
+ * memory is refused, the band is singular, or its border has no pivot. */
 static bool renew_factors(full_system *system) {
     gmres_workspace *work = system->workspace;
     near_factors *factors = &work->factors;
@@ -498,13 +505,15 @@ static bool renew_factors(full_system *system) {
  * take 1.1 ms and an iteration 0.1 ms (test_gmres.c, factors_serve_the_whole_step). */
 static const size_t COST_OF_FACTORS = 10;
 
-/* Checks whether kept factors save more time than their additional iterations take. */
+/* Checks whether the time that kept factors save exceeds the time of the additional iterations that
+ * they cause. */
 static bool factors_serve(const near_factors *factors) {
     return factors->numeric &&
            factors->last_iterations <= factors->own_iterations + COST_OF_FACTORS;
 }
 
-/* Returns a row's entry at its own node, without the deflection at the other stencil nodes. */
+/* Returns the entry of a row at its own node, without the deflection at the other nodes of its
+ * stencil. */
 static double own_entry(const full_system *system, size_t node) {
     const size_t r = grid_row_of_node(system->grid, node);
     const reynolds_row *row = &system->rows[r];
@@ -513,7 +522,8 @@ static double own_entry(const full_system *system, size_t node) {
     return (row->by_pressure[NODE_HERE] + row->by_film[NODE_HERE] * kernel) * system->row_scale[r];
 }
 
-/* Copies x at the unknowns of the factors, and zero for nodes that the present system lacks. */
+/* Copies x at the unknowns of the factors. The copy is zero at nodes that are no unknowns of the
+ * present system. */
 static void take_known(void *context, const team_part *part) {
     const vectors *task = context;
     const full_system *system = task->system;
@@ -587,9 +597,11 @@ static void hessenberg_rotate(hessenberg *h, size_t k) {
 typedef struct projection {
     gmres_workspace *work;
     double *fresh;
-    const double *before; // `factor` times this vector is subtracted first; NULL: nothing
+    const double *before; // `factor` times this vector is subtracted first; NULL: nothing is
+                          // subtracted
     double factor;
-    const double *with; // vector of the next product with `fresh`; NULL: the norm of `fresh`
+    const double *with; // the product of this vector and `fresh` is computed next; NULL: the norm
+                        // of `fresh` is computed
 } projection;
 
 static void project_part(void *context, const team_part *part) {

@@ -39,7 +39,8 @@ typedef struct fullrun_options {
     size_t repeats; // number of solutions, whose median time is reported
     bool resume;
     size_t num_jobs;
-    team *threads; // num_jobs threads for large grids; NULL: one thread
+    team *threads; // team of num_jobs threads for the work on a large grid; NULL: one thread does
+                   // all work
 } fullrun_options;
 
 // clang-format off
@@ -151,7 +152,7 @@ static int compare_seconds(const void *left, const void *right) {
 }
 
 /* Solves the contact as many times as --repeat gives. With --start each solution starts from
- * `first`, else cold. *info: the solution with the median time. */
+ * `first`, otherwise each is a cold start. *info belongs to the solution with the median time. */
 static ehd_status solve_again(full_info *info, full_state *state, full_solver *solver,
                               const full_state *first, const ehd_contact *contact,
                               const fullrun_options *options, ehd_error *error) {
@@ -172,12 +173,14 @@ static ehd_status solve_again(full_info *info, full_state *state, full_solver *s
     return status;
 }
 
-/* Progress, on stderr, of a point contact's solution, which may take long. */
+/* Progress of the solution of a point contact, which may take long. The progress is shown on
+ * stderr. */
 typedef struct long_work {
     progress shown;
-    const ehd_grid *grid;      // grid of the contact
-    size_t num_inner;          // inner nodes of the grid that is solved now
-    size_t before, iterations; // Newton iterations on this grid: before the last start, in all
+    const ehd_grid *grid; // grid of the contact
+    size_t num_inner;     // inner nodes of the grid that is solved now
+    // Newton iterations on this grid. before: up to the last start of Newton; iterations: in all
+    size_t before, iterations;
 } long_work;
 
 /* Returns the part of the whole work that is done when a grid and all coarser ones are solved. */
@@ -187,8 +190,9 @@ static double work_up_to(const ehd_grid *grid, const ehd_grid *finest) {
     return pow((double)grid->num_inner / (double)finest->num_inner, 1.4);
 }
 
-/* Returns how many Newton iterations a grid may still take: three below a scaled residual of 0.01,
- * where Newton converges quadratically; else as many as so far, but at least eight in all. */
+/* Returns how many Newton iterations a grid may still take. Below a scaled residual of 0.01, where
+ * Newton converges quadratically, it returns three. Above 0.01 it returns the iterations so far, or
+ * the number that is missing to eight iterations if this number is larger. */
 static double iterations_left(double iterations, double residual) {
     return residual < 0.01 ? 3 : fmax(8 - iterations, iterations);
 }
@@ -286,7 +290,8 @@ static void note_resolution(const program *self, const full_resolution *resoluti
             path, 100 * film_effects_of_rolling(&resolution->effects));
 }
 
-/* Writes the resolution to `file` unless it is NULL. Prints a note of a large error estimate. */
+/* Writes the resolution to `file`, unless `file` is NULL. Prints a note if an error estimate is
+ * large. */
 static ehd_status report_resolution(artefact *file, const program *self,
                                     const full_resolution *resolution, const ehd_contact *contact,
                                     ehd_error *error) {

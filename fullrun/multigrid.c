@@ -39,7 +39,8 @@ enum { PART = 2048 };
 typedef struct level {
     size_t columns, lines, num;
     size_t stride;      // columns of the finer level per column of this level, 1 or 2
-    double flow_across; // ratio of the flow between nodes across lines to the flow along lines
+    double flow_across; // flow between two nodes across the lines, divided by the flow between two
+                        // nodes along them
     size_t lines_of_part;
     bool mirrored;    // the first line is a mirror line
     bool *unknown;    // [num]
@@ -49,7 +50,8 @@ typedef struct level {
     double *solution; // [num]
 } level;
 
-/* Shape of a LAPACK band matrix: diagonals below and above the main diagonal, rows in memory. */
+/* Shape of a band matrix in LAPACK: number of diagonals below the main diagonal, number of
+ * diagonals above it, and number of rows in memory. */
 typedef struct band_shape {
     int below, above, rows;
 } band_shape;
@@ -200,7 +202,8 @@ static void share_lines(multigrid *self, size_t lines, const level *size_of, tea
     team_share(self->threads, lines, size_of->lines_of_part, task, context);
 }
 
-/* Keeps only entries between unknowns. Rows of other nodes become rows of the identity. */
+/* Keeps in the rows only the entries between unknowns. Rows of other nodes become rows of the
+ * identity. */
 static void clear_others(void *context, const team_part *part) {
     const level *self = ((lines_task *)context)->here;
 
@@ -219,8 +222,9 @@ static void clear_others(void *context, const team_part *part) {
         }
 }
 
-/* Adds an entry at a fine node to `row`, the row of coarse node (l, c), divided among the coarse
- * nodes by the weights of the interpolation. */
+/* Adds an entry at a fine node to `row`, the row of coarse node (l, c). The entry is divided among
+ * the coarse nodes from which the fine node is interpolated, by the weights of the
+ * interpolation. */
 static void add_interpolated(double *row, double entry, size_t fine_line, size_t fine_column,
                              size_t l, size_t c, const level *coarse) {
     const size_t stride = coarse->stride;

@@ -36,8 +36,8 @@ enum { POINTS = 6 }; // nodes of the interpolation beyond the grid
 static ehd_grid wide_grid(const ehd_grid *grid, size_t *margin, size_t *side) {
     // Width of the margin, divided by the largest |X| of the grid. Under 2.25 times the load the
     // half width of a line contact grows by sqrt(2.25) - 1 = 0.5, that of a point contact by 0.31.
-    // Measured on scenes/examples/line-in-time under a load that rises to 2.25 within T = 0.3: every
-    // width from 0.05 on gives the same films.
+    // Measured on scenes/examples/line-in-time under a load that rises to 2.25 within T = 0.3:
+    // every width from 0.05 on gives the same films.
     const double growth = 0.5;
     const double x = fmax(fabs(grid_x(grid, 0)), fabs(grid_x(grid, grid->inner_x + 1)));
     const double y = grid->inner_lines > 1 ? grid_y(grid, grid->num_nodes - 1) : 0;
@@ -213,7 +213,8 @@ void previous_filter(previous_state *self, double share, previous_carrier *carri
     set_values(carrier, self->filtered, base ? carrier->base_film : NULL, share);
     for (size_t k = 0; k < grid->num_nodes; k++) {
         self->filtered[k] = carrier->values[k] - self->filtered[k];
-        // natural splines fit film minus gap well, since it bends little at the grid's ends
+        // natural splines fit the film minus the gap well, because this difference bends little at
+        // the ends of the grid
         carrier->values[k] -= grid_gap(grid, k);
     }
     fit_lines(self->deflection, carrier->values, carrier);
@@ -242,7 +243,8 @@ static double value_near(const spline *self, double x, size_t *near) {
     return spline_value(self, x, *near);
 }
 
-/* Interpolates on every line at the places from which the fluid at the inner nodes comes. */
+/* Interpolates the values on every line at the places from which the fluid at the inner nodes
+ * comes. */
 static void resample_along(double *along, spline *const *splines, origin from,
                            const previous_carrier *self) {
     const ehd_grid *grid = &self->reference.grid;

@@ -17,26 +17,28 @@ typedef struct previous_state {
     full_state state;
     size_t num_lines;
     spline **deflection; // [num_lines] splines of film minus gap, along each line
-    spline **pressure;   // [num_lines] splines of the pressure; NULL: incompressible
+    spline **pressure;   // [num_lines] splines of the pressure; NULL: incompressible lubricant
     double *filtered;    // [num_nodes] change of the film that the filter causes
-    double *beyond;      // [nodes of carrier->wide] deflection without H0; [0] is NaN: not computed
+    double *beyond;      // [nodes of carrier->wide] deflection without H0; beyond[0] is NaN until
+                         // the array is computed
 } previous_state;
 
 /* Memory for carrying states over into the current frame. */
 typedef struct previous_carrier {
     ehd_contact reference;
-    double *nodes;                 // [width of the grid] X along a line
-    double *values;                // [num_nodes] scratch
-    double *film, *pressure;       // [num_inner] fields of a state, in the current frame
-    double *along;                 // [lines, inner_x] at X of the current frame, Y of the state's
-    size_t num_across;             // number of lines of the whole grid, boundary lines included
-    double *lines, *across_values; // [num_across] Y of the whole grid's lines, and scratch
-    spline *across;                // spline across the lines; NULL on a line contact
-    spline **errors;               // [lines] scratch of previous_errors
-    ehd_grid wide;                 // the grid with a margin around it
-    size_t margin, side;           // columns, lines added at each end (half grid: lines at one)
-    ehd_deflection *deflection;    // on the wide grid
-    arena memory;                  // memory of all arrays
+    double *nodes;           // [width of the grid] X along a line
+    double *values;          // [num_nodes] scratch
+    double *film, *pressure; // [num_inner] fields of a state, in the current frame
+    double *along;           // [lines, inner_x] at X of the current frame, Y of the state's frame
+    size_t num_across;       // number of lines of the whole grid, boundary lines included
+    // [num_across]. lines: Y of the lines of the whole grid; across_values: scratch
+    double *lines, *across_values;
+    spline *across;             // spline across the lines; NULL on a line contact
+    spline **errors;            // [lines] scratch of previous_errors
+    ehd_grid wide;              // the grid with a margin around it
+    size_t margin, side;        // columns and lines added at each end (half grid: lines at one end)
+    ehd_deflection *deflection; // on the wide grid
+    arena memory;               // memory of all arrays
     // for transport along the path:
     path_filter filter;         // filter of the difference between a state and the start
     const previous_state *base; // state of the start, carried at fixed places; NULL: not set yet
@@ -50,7 +52,7 @@ ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *refe
                                  ehd_error *error);
 void previous_carrier_free(previous_carrier *self);
 
-/* Allocates a state on the reference's grid; free with previous_free. Error: EHD_MEMORY. */
+/* Allocates a state on the reference's grid. Free it with previous_free. Error: EHD_MEMORY. */
 ehd_status previous_init(previous_state *self, const ehd_contact *reference, ehd_error *error);
 void previous_free(previous_state *self);
 
@@ -66,8 +68,8 @@ void previous_set_base(previous_carrier *self, const previous_state *base, doubl
 /* Returns the base for a state in a frame; NULL from the first reversal of the entrainment on. */
 const previous_state *previous_base(const previous_carrier *self, const contact_frame *frame);
 
-/* Ends the use of the base if the entrainment of this frame is opposite to that of the base. To be
- * called with the frame of each accepted state. */
+/* Ends the use of the base if the entrainment of this frame is opposite to the entrainment of the
+ * base. Must be called with the frame of each accepted state. */
 void previous_watch_base(previous_carrier *self, const contact_frame *frame);
 
 /* Computes a state's splines. With transport along the path, filters film and pressure first. */

@@ -268,7 +268,8 @@ static void set_change(inlet_change *change, const film_pair *after, const film_
     change->rolling = solved ? after->rolling / before->rolling - 1 : INFINITY;
 }
 
-/* Solves a contact again with another pressure around the grid. Sets the change of the films. */
+/* Solves a contact again on the same grid, with another pressure around the grid. Sets the change
+ * of the films. */
 static ehd_status solve_surrounded(inlet_change *change, coarse_grid *self, const film_pair *films,
                                    ehd_error *error) {
     const ehd_grid *grid = &self->contact.grid;
@@ -283,7 +284,8 @@ static ehd_status solve_surrounded(inlet_change *change, coarse_grid *self, cons
     return status;
 }
 
-/* Finds how much an endless inlet changes the films of a solved line contact. */
+/* Finds how much an endless inlet changes the films of a solved line contact. For this, adds the
+ * pressure and the load of the inlet upstream of the grid. */
 static ehd_status solve_with_tail(inlet_change *change, coarse_grid *self, const film_pair *films,
                                   ehd_error *error) {
     const ehd_grid *grid = &self->contact.grid;
@@ -291,7 +293,8 @@ static ehd_status solve_with_tail(inlet_change *change, coarse_grid *self, const
     inlet_tail *tail = &self->contact.tail;
 
     *tail = tail_before(&line, &self->contact, grid_x(grid, 0));
-    tail->load += tail->pressure * grid->step / 2; // load up to the cell of the first inner node
+    tail->load += tail->pressure * grid->step / 2; // adds the load up to the cell of the first
+                                                   // inner node
     return solve_surrounded(change, self, films, error);
 }
 
@@ -472,7 +475,8 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
     self->order = full_observed_order(central);
     const double safety = is_line ? SAFETY : SAFETY_OF_DOMAIN;
     self->effects.of[EFFECT_INLET] = safety * fabs(of_central[1]);
-    // If the minimum moves to another node, the minimum film may change too little by chance.
+    // The minimum may move to another node of the coarse grid. The change of the minimum film may
+    // then be too small by chance.
     self->effects.of[EFFECT_INLET_MINIMUM] =
         fmax(self->effects.of[EFFECT_INLET], safety * fabs(of_minimum[1]));
     const double step = SAFETY * step_effect(central, of_central, order, default_accuracy, 0.5);
@@ -511,7 +515,7 @@ static void set_rolling_effects(full_resolution *self, const film_pair films[3],
 ehd_status full_resolution_estimate(full_resolution *self, const full_state *state,
                                     const ehd_contact *contact, team *threads, ehd_error *error) {
     const ehd_grid *grid = &contact->grid;
-    ehd_contact on[3] = {*contact}; // with the steps h, 2h and 4h
+    ehd_contact on[3] = {*contact}; // on grids with the steps h, 2h and 4h
     film_pair films[3] = {no_films, no_films, no_films};
     inlet_change change = {NAN, NAN, grid->x_min, NAN};
     const central_line line = central_line_of(state, grid);

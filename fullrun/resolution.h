@@ -11,9 +11,10 @@
 
 typedef struct full_resolution {
     film_effects effects; // infinite values: the grid is too coarse for an estimate
-    double order;         // order of convergence of H_c with steps h, 2h, 4h; NaN: none observed
+    double order;         // order of convergence of H_c with the steps h, 2h and 4h; NaN: the
+                          // films show no order
     // numbers of nodes at Y = 0:
-    size_t inlet_nodes;  // nodes whose viscous pressure is 10 to 90 % of that at the centre
+    size_t inlet_nodes;  // nodes whose viscous pressure is 10 to 90 % of its value at the centre
     size_t spike_nodes;  // nodes above half of the height of the pressure spike; 0: no spike
     size_t outlet_nodes; // nodes from the minimum film behind X = 0 to the exit
 } full_resolution;

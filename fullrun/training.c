@@ -87,7 +87,8 @@ static ehd_status begin_worker(void **result, void *shared, ehd_error *error) {
     *result = self;
     if (!self) return ehd_no_memory(error, "solver");
 
-    // the weakest modes have singular values of 1e-10 of the first; solutions must be more accurate
+    // the weakest modes have singular values of 1e-10 of the first singular value, so solutions
+    // must be more accurate than that
     settings.tolerance = 1e-12;
     ehd_status status =
         full_solver_create(&self->solver, first->kind, &first->grid, &settings, error);

@@ -39,8 +39,9 @@ typedef struct training {
     const training_set *set;
     trained_point *points; // [num_points of the set]
     const bool *wanted;    // [num_points] whether to solve a point; NULL: all points are solved
-    bool with_effects;     // also estimates grid errors, at points with `estimated` in the set
-    size_t num_failed;     // number of points that are done, but not EHD_OK
+    bool with_effects;     // also estimates the errors of the grid, at points with `estimated` in
+                           // the set
+    size_t num_failed;     // number of points that are done, but whose status is not EHD_OK
     size_t num_done;
     /* Stores a finished point. Called by one thread at a time. */
     ehd_status (*store)(void *sink, const training_set *set, size_t point, const snapshot *solution,
@@ -71,7 +72,7 @@ ehd_status training_restore(training *self, size_t point, const double *pressure
 /* Solves all wanted points that are not done. A point that does not converge is counted, with a
  * warning, and its children start cold. The solution of a point depends only on the set, not on
  * num_workers or on earlier runs.
- * Errors: EHD_INTERRUPTED, EHD_MEMORY, EHD_INTERNAL, those of `store`. */
+ * Errors: EHD_INTERRUPTED, EHD_MEMORY, EHD_INTERNAL, and the errors of `store`. */
 ehd_status training_run(training *self, size_t num_workers, ehd_error *error);
 
 #endif

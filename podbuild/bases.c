@@ -131,8 +131,9 @@ static pod_settings share_of(const pod_settings *wanted, const snapshot_set *fro
     return root;
 }
 
-/* Checks that parts have not omitted too much energy. The limit is a share of the allowed energy,
- * or of the energy that a given number of modes omits, if this energy is larger. */
+/* Checks that parts have not omitted too much energy. The limit is a share of the allowed energy.
+ * If the number of modes is given and these modes omit more than the allowed energy, the limit is a
+ * share of the energy that these modes omit. */
 static ehd_status check_distance(const pod_basis *pod, const snapshot_set *from,
                                  const bases_settings *settings, const bases_plan *plan,
                                  ehd_error *error) {

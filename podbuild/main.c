@@ -163,7 +163,8 @@ static ehd_status weigh(reduced_basis *basis, const program *self, const build_o
     return status;
 }
 
-/* Returns the input paths, NULL at the end (free with free()), or NULL if there is no memory. */
+/* Returns the paths of the input files. The list ends with NULL; free the list with free(). Returns
+ * NULL if there is no memory. */
 static const char **list_inputs(const program *self, ehd_error *error) {
     const char **inputs = calloc(self->num_arguments + 1, sizeof *inputs);
 

@@ -32,7 +32,8 @@ typedef struct pod_settings {
     double discarded_energy; // used if num_modes is 0: share of the sum of all squared singular
                              // values that may be omitted. The smallest number of modes that meets
                              // this limit is taken: at least one, at most the numerical rank
-    bool at_most;            // take fewer than num_modes if the numerical rank is less
+    bool at_most;            // true: num_modes is an upper limit, and fewer modes are taken if the
+                             // numerical rank is less
 } pod_settings;
 
 /* Computes a truncated POD by a thin SVD of the snapshots. Their Gram matrix would lose all

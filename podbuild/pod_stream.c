@@ -244,7 +244,8 @@ static ehd_status take_up(bool *full, double *left, pod_stream *self, components
     subtract(self, to, 0);
     *left = squared(self->waiting, self->num_waiting, self->num_nodes);
     for (int round = 0; !status && !*full && *left > allowed && round < MAX_EXTENSIONS; round++) {
-        // subtracts again, since the first subtraction's round-off may be as large as the remainder
+        // subtracts again, because the round-off of the first subtraction may be as large as the
+        // remainder
         subtract(self, to, 0);
         *left = squared(self->waiting, self->num_waiting, self->num_nodes);
         if (!(*left > allowed)) break;
@@ -381,7 +382,8 @@ ehd_status pod_stream_add(pod_stream *self, const double *snapshots, size_t coun
         pod_check_snapshots(snapshots, count, num_nodes, self->num_snapshots, error);
 
     for (size_t i = 0; i < count && !status; i++) {
-        // a full block waits for another snapshot, because a single block has the exact POD
+        // a full block is absorbed only if another snapshot follows, because the POD of a single
+        // block is exact
         if (self->num_waiting == self->settings.block) status = absorb(self, error);
         if (status) break;
         double *row = self->waiting + self->num_waiting++ * num_nodes;

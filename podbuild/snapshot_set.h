@@ -16,8 +16,8 @@
 /* One source: a file, or solutions in memory. */
 typedef struct snapshot_source {
     const char *path;      // NULL: solutions in memory
-    artefact *file;        // NULL: closed, or solutions in memory
-    const double **fields; // [num_states] pressures in memory, with boundary nodes; NULL: file
+    artefact *file;        // NULL: the file is closed, or the solutions are in memory
+    const double **fields; // [num_states] pressures in memory, with boundary nodes; NULL: in a file
     bool is_part;          // the file is a part; its rows are modes times their singular values
     part_origin origin;    // origin of a part
     double *values;        // [num_rows] singular values of a part
@@ -26,7 +26,8 @@ typedef struct snapshot_source {
     // Columns of the states; empty for a part. The only coordinate is the rigid approach. Exits
     // are set only for solutions in memory.
     reduced_states states;
-    size_t num_rows;       // stationary states, then compressed steps; for a part: its modes
+    size_t num_rows;       // number of rows: stationary states, then compressed steps of
+                           // trajectories; the rows of a part are its modes
     size_t num_stationary; // number of rows that are stationary states
     size_t *row_state;     // [num_stationary] states of the stationary rows
 } snapshot_source;
@@ -44,8 +45,8 @@ typedef struct snapshot_set {
 } snapshot_set;
 
 /* Opens all files and reads the columns of their states, but no fields. Errors: EHD_DATA (no
- * converged state, files of different grids, or values that are not finite); else as
- * artefact_open. */
+ * converged state, files of different grids, or values that are not finite); other errors
+ * as artefact_open. */
 ehd_status snapshot_set_open(
     // output:
     snapshot_set *self, // give to snapshot_set_close
@@ -71,7 +72,8 @@ ehd_status snapshot_set_gather(
 
 void snapshot_set_close(snapshot_set *self); // also accepts a zero struct
 
-/* Opens a source unless it is open. If there are many files, snapshot_set_leave closes sources. */
+/* Opens a source unless it is open. If there are many files, snapshot_set_leave closes the source
+ * again. */
 ehd_status snapshot_set_use(snapshot_set *self, size_t source, ehd_error *error);
 void snapshot_set_leave(snapshot_set *self, size_t source);
 

@@ -42,7 +42,7 @@ typedef struct romrun_options {
     part_sizes sizes;       // sizes for each of these files
     double accuracy;        // value of --accuracy, which selects the sizes; 0: not given
     accuracy_limits limits; // limits of other quantities
-    part_sizes fallback;    // most accurate sizes, used where `sizes` does not suffice
+    part_sizes fallback;    // most accurate sizes, used if `sizes` is not accurate enough
     // reason why no step of the reduced model is trusted; NULL: each step is judged by itself
     const char *distrust;
     const char *fall_back; // "full": fallback to the full model; NULL or "none": no fallback
@@ -152,7 +152,8 @@ static size_t add_models(const char *inputs[MAX_INPUTS], size_t count,
     return count;
 }
 
-/* Lists the files that no output may overwrite, then NULL. `other`: one more file or NULL. */
+/* Lists the files that no output may overwrite: the arguments, the models and, if there is one, the
+ * file `other`. The list ends with NULL. */
 static void list_inputs(const char *inputs[MAX_INPUTS], const program *self,
                         const romrun_options *options, const char *other) {
     size_t count = 0;
@@ -179,7 +180,8 @@ static ehd_status print_verification(online_solver *solver, const online_result 
 }
 
 /* Makes a text of the scene's settings and of the options that change the solution. For a table of
- * scenes these include the limits of --accuracy-of. */
+ * scenes the text also contains the limits of --accuracy-of, because the rows of the table depend
+ * on these limits. */
 static ehd_status text_with_sizes(char **whole, const char *text, const romrun_options *options,
                                   bool table, ehd_error *error) {
     char accuracy[NUMBER_TEXT + 16] = "", number[NUMBER_TEXT];
@@ -276,7 +278,7 @@ typedef struct stationary_run {
     film_effects effects;      // errors that the model's grid causes
     contact_traction traction; // set if the surfaces slide
     run_result result;         // points to the members above
-    char *text;
+    char *text;                // text of the settings
 } stationary_run;
 
 static void stationary_run_free(stationary_run *self) {
@@ -301,7 +303,8 @@ static ehd_status read_against(stationary_run *self, bool with_fields, ehd_error
                          against->thinning, &grid, path, self->contact, error);
 }
 
-/* Fills self->result. `with_effects`: also estimates the errors due to the grid. */
+/* Fills self->result from the solution and its exits. If wanted, adds the fields and the errors
+ * that the model's grid causes. */
 static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_effects,
                               ehd_error *error) {
     const ehd_grid *grid = &self->contact->grid;
@@ -634,7 +637,8 @@ static ehd_status choose_sizes(romrun_options *options, const program *self, boo
     return status;
 }
 
-/* Refuses wrong options that the tables `own_options` and `modes` do not exclude. */
+/* Refuses values and combinations of options that the tables `own_options` and `modes` do not
+ * exclude. */
 static ehd_status check_usage(const program *self, const romrun_options *options,
                               ehd_error *error) {
     const model_sizes *sizes = &options->sizes.of[0];
@@ -769,8 +773,9 @@ static ehd_status export_fmu(const program *self, void *own, ehd_error *error) {
     return status;
 }
 
-/* Checks a flat model or a list of models. A flat model is only opened, which checks the whole
- * file. Opening a list also checks whether its models fit together. */
+/* Checks a flat model or a list of models. Each HDF5 model of a list is checked like a single file.
+ * A flat model is only opened, since opening it reads and checks the whole file. Opening the list
+ * also checks whether its models fit together. */
 static ehd_status check_models(const char *path, ehd_error *error) {
     online_model *model = NULL;
     part_list list;

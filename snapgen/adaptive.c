@@ -130,7 +130,7 @@ static double true_deviation(const adaptive *self, const adaptive_state *state, 
 }
 
 /* Fits the factor of a film's error estimate to the points that a round added. Returns 0 if none of
- * them can be compared. `work` is [2, num_states]. */
+ * these points can be compared. `work` is [2, num_states]. */
 static double factor_of(const adaptive *self, size_t round, int film, double *work) {
     double *deviations = work, *bounds = work + self->num_states;
     size_t count = 0;
@@ -164,7 +164,8 @@ static film_factors factors_of(const adaptive *self, size_t round, double *work)
     return factors;
 }
 
-/* Returns the larger estimate of the two films; the larger bound if the factors are not known. */
+/* Returns the larger error estimate of the two films. If the factors are not known, returns the
+ * larger bound. */
 static double indicated_by(const trial_verdict *verdict, const film_factors *factors) {
     double indicated = 0;
 
@@ -188,7 +189,8 @@ static double worst_deviation(const adaptive *self, size_t round) {
     return fmax(worst_of_film(self, round, FILM_CENTRAL), worst_of_film(self, round, FILM_MINIMUM));
 }
 
-/* Checks whether the model made before a round solved all its points that the full model solved. */
+/* Checks whether the model made before a round solved all points of the round that the full model
+ * solved. */
 static bool is_round_compared(const adaptive *self, size_t round) {
     bool all = true;
 
@@ -273,8 +275,9 @@ static void normalise(double (*places)[RANGE_AXES], const training_set *set) {
             if (high[axis] > low[axis]) places[i][axis] /= high[axis] - low[axis];
 }
 
-/* Adds the corners of the convex hull of one family's candidates. `here`, `numbers` and `corners`
- * are scratch memory for num_points. */
+/* Adds the corners of the convex hull of one family's candidates. The candidates of a family have
+ * the same group and the same laws of the lubricant. `here`, `numbers` and `corners` are scratch
+ * memory for num_points. */
 static ehd_status add_corners_of(adaptive *self, size_t family, const double (*places)[RANGE_AXES],
                                  double (*here)[RANGE_AXES], size_t *numbers, size_t *corners,
                                  ehd_error *error) {
@@ -364,7 +367,8 @@ static ehd_status add_next_round(adaptive *self, ehd_error *error) {
 
 // ---- solving
 
-/* Returns the nearest point of earlier rounds as a start for a new point; NO_PARENT: none. */
+/* Returns the nearest point of earlier rounds, from which a new point can start. NO_PARENT: there
+ * is no such point. */
 static size_t nearest_before(const adaptive *self, const tree_point *from,
                              const double scale[TREE_AXES]) {
     double nearest = INFINITY;
@@ -558,6 +562,7 @@ static ehd_status judge_round(adaptive *self, ehd_error *error) {
 
 // ---- pieces
 
+/* Takes over solutions of the last round from the pieces that other processes have solved. */
 static ehd_status take_pieces(adaptive *self, const adaptive_task *task, ehd_error *error) {
     ehd_status status = EHD_OK;
 
@@ -577,9 +582,10 @@ static size_t count_round(const adaptive *self, size_t round) {
     return count;
 }
 
-/* Estimates how many points one model needs for the accuracy, from a straight line through the last
- * four rounds: the logarithm of the largest error estimate against the number of points. Returns
- * infinity if the line does not fall, or if candidates have no solution. */
+/* Estimates how many points one model needs for the wanted accuracy. Fits a straight line to the
+ * last four rounds: the logarithm of the largest error estimate against the number of points.
+ * Extends the line to the accuracy. Returns infinity if the line does not fall, or if candidates
+ * have no solution. */
 static double expected_points(const adaptive *self) {
     const size_t count = smaller(self->num_rounds, 4), first = self->num_rounds - count;
     double mean_points = 0, mean_worst = 0, slope = 0, spread = 0;
@@ -644,6 +650,7 @@ static bool is_finished(const adaptive *self) {
            self->num_states >= smaller(self->set->num_points, self->settings->max_points);
 }
 
+/* Counts the points that are chosen, but not solved yet. */
 static size_t count_open(const adaptive *self) {
     return self->num_states - self->points.num_done;
 }

@@ -39,7 +39,8 @@ typedef struct adaptive_task {
 /* Trains round by round on points that are chosen among the candidates, the points of the set.
  * - The points of a round are solved with the full model. A reduced model of all solved points
  *   estimates the errors of the other candidates (romrun/trust/indicator.h). The factor of the
- *   estimates is fitted to the last round, for whose points the previous model had estimates.
+ *   estimates is fitted to the points of the last round, because the previous model had estimated
+ *   the errors of these points.
  * - The next round has the candidates with the largest estimates.
  * - If no estimate exceeds the accuracy, the next round is a check of some points with the largest
  *   estimates, and some points as far as possible from all others. Training ends if the previous

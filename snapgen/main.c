@@ -157,6 +157,7 @@ static ehd_status check_failures(const program *self, size_t num_failed, size_t 
                     self->arguments[0], num_failed, num_points, allowed);
 }
 
+/* Returns any contact of a set. */
 static const ehd_contact *set_contact(const training_set *set) {
     return set->num_points > 0 ? set->contacts : &set->trajectories->contact;
 }

@@ -70,7 +70,8 @@ static bool is_plane(const hull *self) {
     return true;
 }
 
-/* Adds the first point with the smallest and with the largest value of each coordinate. */
+/* For each coordinate, adds the first point with the smallest value and the first point with the
+ * largest value. */
 static void add_extremes(hull *self) {
     for (int axis = 0; axis < RANGE_AXES; axis++) {
         size_t least = 0, most = 0;
@@ -165,9 +166,10 @@ static bool is_worse(const candidates *from, const nearness *near, size_t i, siz
     return fmin(near->trained[i], near->chosen[i]) > fmin(near->trained[j], near->chosen[j]);
 }
 
-/* Returns the worst candidate that is far enough from those chosen in this call: its distance from
- * them is at least `part` of its distance from the points trained before. Returns NO_PARENT if
- * there is no such candidate. `known`: considers only candidates with a finite error estimate. */
+/* Returns the worst candidate that is far enough from the candidates chosen in this call: its
+ * distance from them is at least `part` times its distance from the points trained before. Returns
+ * NO_PARENT if there is no such candidate. `known`: considers only candidates with a finite error
+ * estimate. */
 static size_t worst(const candidates *from, const nearness *near, double part, bool known) {
     size_t best = NO_PARENT;
 
@@ -181,8 +183,8 @@ static size_t worst(const candidates *from, const nearness *near, double part, b
     return best;
 }
 
-/* Like `worst`, but lowers the required distance until there is such a candidate. Candidates that
- * differ only by round-off count as one. */
+/* Returns the worst candidate like `worst`. Lowers the required distance until a candidate is far
+ * enough. Candidates that differ only by round-off are treated as the same candidate. */
 static size_t furthest_worst(const candidates *from, const nearness *near, bool known) {
     size_t found = NO_PARENT;
 

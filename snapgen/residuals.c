@@ -264,7 +264,8 @@ static ehd_status write_iterations(void *sink, size_t point, const point_trace *
 }
 
 /* Writes the compressed iterations of the trajectories, after the iterations of the points.
- * `width`: length of a row of the file. Rows of zeros, which have no effect, fill a shorter set. */
+ * `width`: length of a row of the file. If one of the two sets has fewer rows, rows of zeros are
+ * added, which have no effect. */
 static ehd_status put_compressed(artefact *file, const trajectories *repeated, size_t width,
                                  size_t first, size_t count, ehd_error *error) {
     const struct {

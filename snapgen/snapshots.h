@@ -22,7 +22,8 @@ ehd_status snapshots_create(
 ehd_status snapshots_open_partial(artefact **file, const training_set *set, const program *caller,
                                   ehd_error *error);
 
-/* Opens NAME.partial and marks the finished points in `points`. Errors: as artefact_resume. */
+/* Opens NAME.partial to continue it, and marks in `points` the points that are done. Errors: as
+ * artefact_resume. */
 ehd_status snapshots_resume(artefact **file, training *points, const program *caller,
                             ehd_error *error);
 
@@ -46,8 +47,9 @@ ehd_status snapshots_declare(artefact *file, const training_set *set, bool adapt
 ehd_status snapshots_put_contact(artefact *file, size_t state, const ehd_contact *contact,
                                  ehd_error *error);
 
-/* Marks a point as done, with the outcome that `file` has for it, if `file` has all data of its
- * state. A power cut may leave an outcome without the other data. In this case *whole is false. */
+/* If `file` has all data of the state of a point, marks the point as done. `outcome` is the outcome
+ * that the file has for this state. A power cut may leave an outcome without the other data. In
+ * this case *whole is false. */
 ehd_status snapshots_restore(
     // output:
     bool *whole, training *points,

@@ -87,6 +87,7 @@ typedef struct judgement {
     trial_verdict *verdicts;
 } judgement;
 
+/* Solver, error indicator and state of one thread. */
 typedef struct judge {
     reduced_solver *solver;
     indicator *indicator;

@@ -114,7 +114,8 @@ static ehd_status begin(active_set *self, const double *matrix, const double *ri
     return EHD_OK;
 }
 
-/* Returns the unused column with the steepest descent, or num_columns if none exceeds `least`. */
+/* Returns the unused column with the steepest descent. Returns num_columns if no descent exceeds
+ * `least`. */
 static size_t steepest(const active_set *self, double least) {
     const size_t first = self->num_used, left = self->num_rows - first;
     const double *residual = right_of(self) + first;
@@ -130,7 +131,8 @@ static size_t steepest(const active_set *self, double least) {
     return best;
 }
 
-/* Adds a column to the columns in use. Returns false if the column depends on these columns. */
+/* Adds a column to the columns in use. A Householder reflection of the rows from num_used on makes
+ * the column triangular. Returns false if the column depends linearly on the columns in use. */
 static bool take(active_set *self, size_t taken) {
     const size_t first = self->num_used;
     const size_t left = self->num_rows - first;

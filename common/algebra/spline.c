@@ -78,7 +78,8 @@ size_t spline_interval(const spline *self, double x, size_t near) {
     return low;
 }
 
-/* Computes linear, quadratic and cubic coefficients of interval i, in the distance from node i. */
+/* Computes the linear, quadratic and cubic coefficients of the polynomial on interval i. The
+ * variable of the polynomial is the distance from node i. */
 static void coefficients(double of[3], const spline *self, size_t i) {
     const double width = self->x[i + 1] - self->x[i];
 

@@ -145,7 +145,8 @@ size_t artefact_length(const artefact *file, const char *axis) {
     return found ? found->length : 0;
 }
 
-/* Returns a pointer to the id of a dataset that stays open while streaming, or NULL. */
+/* Returns a pointer to the id of a dataset that stays open while streaming. Returns NULL if the
+ * dataset does not stay open. */
 static hid_t *held_dataset(const artefact *file, const char *name) {
     if (!file->growing || !file->streaming) return NULL;
     file_dataset *found = find_dataset(file, name);

@@ -41,19 +41,21 @@ typedef enum artefact_values {
     VALUES_COUNT,
     VALUES_INDEX_OR_NONE,
     VALUES_STATE_OR_NONE,
-    VALUES_COLUMN,      // index into x; the length of x means none
+    VALUES_COLUMN,      // index into x; the length of x means no column
     VALUES_FILM_COLUMN, // column of film nodes, from 1 to the number of columns
     VALUES_ROW,         // indices of inner nodes of the grid, no index twice
     VALUES_FILM_NODE    // indices of film nodes, ascending
 } artefact_values;
 
-/* Factor that converts a dimensionless number to SI units: the first of `attributes` that the file
- * has. If `frame` is set, the factor is multiplied by this field, because each entry has a unit of
- * its own, such as the half width at its time. The schema gives the SI unit of the attribute. */
+/* Describes the factor that converts a dimensionless number to SI units. The factor is the first of
+ * `attributes` that the file has. The schema gives the SI unit of that attribute. If `frame` is
+ * set, the factor is also multiplied by the field `frame`, because each entry has a unit of its
+ * own, such as the half width at its time. */
 typedef struct artefact_scale {
-    // names of the attributes that hold the unit, such as "film_unit"; NULL: the frame holds it
+    // names of the attributes that hold the unit, such as "film_unit"; NULL: `frame` holds the unit
     const char *attributes[2];
-    const char *frame; // field along one axis, in multiples of the attribute; NULL: none
+    // name of a field along one axis, whose values are multiples of the attribute; NULL: no field
+    const char *frame;
 } artefact_scale;
 
 typedef struct artefact_axis {
@@ -68,7 +70,7 @@ typedef struct artefact_axis {
 typedef struct artefact_field {
     const char *name;
     artefact_type type;                  // REAL (IEEE f64 LE) or INTEGER (i64 LE)
-    const char *axes[ARTEFACT_MAX_RANK]; // NULL after the last one
+    const char *axes[ARTEFACT_MAX_RANK]; // NULL after the last axis
     const char *units;                   // UDUNITS; "1" if dimensionless
     const char *long_name;
     artefact_need need;
@@ -98,15 +100,16 @@ typedef struct artefact_schema {
 
 extern const artefact_schema schema_result, schema_snapshots, schema_basis, schema_part,
     schema_residuals, schema_model, schema_cases;
-extern const artefact_schema *const artefact_schemas[]; // all of them, NULL at the end
+extern const artefact_schema *const artefact_schemas[]; // all schemas, NULL at the end
 
 typedef struct artefact artefact;
 
 // ---- writing
 
 /* Creates PATH.partial for writing. PATH itself is untouched until artefact_finish. EHD_CANTCREATE:
- * PATH.partial cannot be written, or another process writes PATH.partial; without program->force
- * also if PATH exists, or if PATH.partial holds finished work of an interrupted run.
+ * PATH.partial cannot be written, or another process writes PATH.partial. Without program->force,
+ * the function also returns EHD_CANTCREATE if PATH exists, or if PATH.partial holds finished work
+ * of an interrupted run.
  *
  * `settings_text` is stored as attribute `settings`. For each path in `inputs` (NULL-terminated,
  * may be NULL), the attributes `input_<n>_path` and `input_<n>_sha256` store the path and the
@@ -129,13 +132,15 @@ ehd_status artefact_create_growing(
     const char *path, const artefact_schema *schema, const char *axis, const program *program,
     const char *settings_text, const char *const *inputs, ehd_error *error);
 
-/* Declares an axis with at least one entry and writes its scale. NULL: the values are 0, 1, 2, … */
+/* Declares an axis with at least one entry and writes its scale. If `values` is NULL, the scale is
+ * 0, 1, 2, … */
 ehd_status artefact_put_axis(artefact *file, const char *name, size_t length, const double *values,
                              ehd_error *error);
 
-/* Writes `count` values of the growing axis from `first` on. Write the fields of these entries
- * first. All fields on the axis grow before the axis itself, so that every field has as many
- * entries as a reader finds on the axis. */
+/* Writes `count` values of the growing axis, from entry `first` on. Before this call, write the
+ * fields of these entries. If the axis becomes longer, all fields on it grow first, and the axis
+ * itself grows last. A reader that looks up the length of the axis therefore finds that many
+ * entries in every field. */
 ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first, size_t count,
                                   const double *values, ehd_error *error);
 
@@ -174,17 +179,17 @@ ehd_status artefact_put_text(artefact *file, const char *attribute, const char *
 ehd_status artefact_begin_streaming(artefact *file, ehd_error *error);
 ehd_status artefact_flush(artefact *file, ehd_error *error);
 /* Flushes like artefact_flush and waits until the data are on the disk, so that they survive a
- * power cut. EHD_IO. */
+ * power cut. Error: EHD_IO. */
 ehd_status artefact_sync(artefact *file, ehd_error *error);
 /* Copies a file with a growing axis to PATH.saved; does nothing for other files. Call it after
- * artefact_flush. Each entry changes HDF5's metadata, and a power cut can leave the metadata
- * inconsistent; artefact_resume then continues from PATH.saved. artefact_begin_streaming makes the
- * first copy, artefact_save another copy only after fifty times the duration of the last copy. If
- * copying fails, the earlier copy stays. */
+ * artefact_flush. The copy is needed because each entry changes HDF5's metadata, and a power cut
+ * can leave the metadata inconsistent. artefact_resume then continues from PATH.saved.
+ * artefact_begin_streaming makes the first copy. artefact_save makes another copy only after a
+ * pause of fifty times the duration of the last copy. If copying fails, the earlier copy stays. */
 void artefact_save(artefact *file);
 
 /* Returns from streaming to ordinary writing, for attributes that are known only at the end.
- * artefact_finish calls it if needed. Does nothing if the file is not streaming. */
+ * artefact_finish calls this function if needed. Does nothing if the file is not streaming. */
 ehd_status artefact_end_streaming(artefact *file, ehd_error *error);
 
 /* Opens PATH.partial of an earlier run and starts streaming again. If the machine has been rebooted
@@ -195,8 +200,9 @@ ehd_status artefact_end_streaming(artefact *file, ehd_error *error);
  * the file is damaged, or its schema or settings (scene_text_matches) differ. EHD_CANTCREATE: PATH
  * exists and program->force is not set, or another process writes the file.
  *
- * A file with a growing axis is not streaming yet: a killed run may have written its last
- * entries to only some of its datasets. Call artefact_cut_axis next. */
+ * A file with a growing axis is not streaming yet. Its datasets may differ in length, because a
+ * killed run may have written its last entries to only some of these datasets. Therefore
+ * call artefact_cut_axis next. */
 ehd_status artefact_resume(
     // output:
     artefact **file,
@@ -211,7 +217,8 @@ ehd_status artefact_check_entry(artefact *file, size_t entry, ehd_error *error);
 
 /* Checks after artefact_resume that an input still has the content that it had when the output was
  * begun. If no recorded input has this path, any recorded input with the same content is accepted.
- * EHD_DATA: the content differs; the message names the input `what`. EHD_NOINPUT, EHD_IO. */
+ * EHD_DATA: the content differs; the message names the input `what`. Other errors: EHD_NOINPUT,
+ * EHD_IO. */
 ehd_status artefact_check_input(artefact *file, const char *what, const char *path,
                                 ehd_error *error);
 
@@ -276,10 +283,10 @@ ehd_status artefact_open_unfinished(
 
 const artefact_schema *artefact_kind(const artefact *file);
 const char *artefact_path(const artefact *file);
-/* Returns the SHA-256 of the opened file, 64 hexadecimal digits; computed at the first call. */
+/* Returns the SHA-256 of the opened file, 64 hexadecimal digits. The first call computes it. */
 ehd_status artefact_identity(artefact *file, char identity[65], ehd_error *error);
 
-/* Returns the SHA-256 of any file. EHD_NOINPUT, EHD_IO. */
+/* Returns the SHA-256 of any file. Errors: EHD_NOINPUT, EHD_IO. */
 ehd_status artefact_file_identity(char identity[65], const char *path, ehd_error *error);
 
 /* Returns how the content digest of a file is treated: "digest checked", "digest not checked" if
@@ -288,10 +295,10 @@ const char *artefact_content(const char *path);
 extern const char *const content_without_digest;
 
 bool artefact_has(const artefact *file, const char *field_or_attribute);
-/* Returns the length of an axis; 0 if the file does not have it. */
+/* Returns the length of an axis; 0 if the file does not have the axis. */
 size_t artefact_length(const artefact *file, const char *axis);
-/* Lists the axes of a field in this file, without optional axes that the file lacks. Returns their
- * number. */
+/* Lists the axes of a field in this file, without optional axes that the file lacks. Returns the
+ * number of listed axes. */
 size_t artefact_axes(const char *axes[ARTEFACT_MAX_RANK], const artefact *file,
                      const artefact_field *field);
 /* Checks whether an axis has values for artefact_get_axis. */
@@ -317,14 +324,13 @@ ehd_status artefact_get_integer(artefact *file, const char *attribute, int64_t *
                                 ehd_error *error);
 /* Reads a text; free it with free(). */
 ehd_status artefact_get_text(artefact *file, const char *attribute, char **text, ehd_error *error);
-/* Returns any attribute of the root as text; free(). Numbers have all digits that are needed to
- * read back the same value. */
+/* Returns any attribute of the root as text; free it with free(). Numbers have all digits that are
+ * needed to read back the same value. */
 ehd_status artefact_show_attribute(artefact *file, const char *attribute, char **text,
                                    ehd_error *error);
-/* Returns the factor that converts the numbers of a scale to SI units, and these units. If the
- * scale contains a field of frames, the factor does not contain this field; it is 1 if the scale is
- * this field alone. EHD_DATA: the file lacks the attribute, because its contact was not given in SI
- * units. */
+/* Returns the factor by which a scale converts numbers to SI units, and these units. The factor
+ * does not contain the field `frame`. If the scale has no attributes, the factor is 1. EHD_DATA:
+ * the file lacks the attribute, because its contact was not given in SI units. */
 ehd_status artefact_get_scale(
     // output:
     double *factor, const char **units,

@@ -217,7 +217,7 @@ ehd_status put_digests(artefact *file, ehd_error *error) {
     char *text = NULL;
     size_t size = 0;
 
-    // a resumed file may have a digest from an earlier attempt, which no longer matches
+    // an earlier attempt to finish a resumed file may have left a digest that no longer matches
     if (!is_wanted())
         return hdf5_has_attribute(file->id, attribute_name) &&
                        H5Adelete(file->id, attribute_name) < 0

@@ -221,7 +221,7 @@ static bool is_foreign(const char *path, off_t size) {
 }
 
 hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags) {
-    has_unknown = false; // it may be left over from another file
+    has_unknown = false; // may be left over from a look-up in another file
     errno = 0;
     struct stat about;
     const bool is_there = stat(path, &about) == 0;
@@ -270,9 +270,10 @@ hid_t hdf5_create(const char *path) {
     return file;
 }
 
-/* Checks whether a failed look-up is to be repeated. After a lack of memory it is, because HDF5 has
- * freed memory since then, and a reader would otherwise go on as if the file lacked the item. After
- * a read failure it is not, because the second look-up would wrongly return "no". */
+/* Checks whether a failed look-up must be repeated. After a lack of memory the look-up must be
+ * repeated, because HDF5 has freed memory since then. Without the repetition, a reader would go on
+ * as if the file lacked the item. After a read failure the look-up must not be repeated, because
+ * the second look-up would wrongly return "no". */
 static bool is_to_be_repeated(htri_t found) {
     return found < 0 && errno == ENOMEM;
 }
@@ -330,7 +331,7 @@ static void piece_name(char buffer[128], const char *name, int number) {
     snprintf(buffer, 128, number == 1 ? "%s" : "%s_%d", name, number);
 }
 
-/* Returns the length of the next piece, which ends between two characters, not inside of one. */
+/* Returns the length of the next piece. A piece ends between two characters, never inside one. */
 static size_t piece_length(const char *text) {
     size_t length = strnlen(text, PIECE_BYTES + 1);
     if (length <= PIECE_BYTES) return length;
@@ -392,7 +393,8 @@ static char *variable_string(hid_t attribute, hid_t type) {
     return text;
 }
 
-/* Opens an attribute with a single value, which some libraries write as an array of length 1. */
+/* Opens an attribute with a single value. Some libraries write such a value as an array of length
+ * 1. */
 static hid_t open_single(hid_t object, const char *name) {
     if (!hdf5_has_attribute(object, name)) return -1;
     hid_t attribute = H5Aopen(object, name, H5P_DEFAULT);

@@ -27,7 +27,8 @@ typedef struct file_dataset {
     own_dataset own;
     int rank;
     hsize_t dims[ARTEFACT_MAX_RANK]; // the first ARTEFACT_MAX_RANK lengths
-    bool checked;                    // the digest has been checked, once, before the first read
+    bool checked;                    // the digest has been checked; this happens once, before the
+                                     // first read
     hid_t held; // id of a dataset on the growing axis that stays open while streaming; 0: not open
 } file_dataset;
 
@@ -36,13 +37,14 @@ struct artefact {
     const artefact_schema *schema;
     char *path;                    // the final name
     char *partial;                 // name of the file while it is written; NULL when reading
-    char *copy;                    // name of the copy that is changed outside of streaming
+    char *copy;                    // name of the copy that the writer changes while not streaming
     bool on_copy;                  // whether the copy is open in place of `partial`
     char *saved;                   // name of the copy that artefact_save makes
     double saved_at, save_seconds; // end of the last artefact_save and its duration, s
-    char *history_line;            // line that a resumed run adds to the history; NULL: not resumed
+    char *history_line;            // line that a run with --resume adds to the history of the file;
+                                   // NULL: the file is not resumed
     char *digests;     // content_sha256 of a file being read; NULL: the content is not checked
-    int64_t *outcomes; // [length of outcome_axis] the field `status`; NULL: no such field
+    int64_t *outcomes; // [length of outcome_axis] field `status`; NULL: the file has no such field
     const char *outcome_axis;
     file_dataset *datasets; // axes of the schema, then its fields; ends with {0}
     file_dataset *fields;   // first field in `datasets`
@@ -85,15 +87,16 @@ void hdf5_note_failure(void);
 void hdf5_release(hid_t id);
 
 /* Report a failed write or read. Call these functions right after the failed call.
- * hdf5_write_failed marks the file as failed. It returns EHD_IO, or EHD_DATA for a resumed file
- * without a system error, because the file is then damaged. hdf5_read_failed returns EHD_IO for a
- * system error, else EHD_DATA. */
+ * hdf5_write_failed marks the file as failed. It returns EHD_DATA if the file is resumed and there
+ * is no system error, because the file is then damaged. Otherwise it returns EHD_IO.
+ * hdf5_read_failed returns EHD_IO for a system error, and EHD_DATA otherwise. */
 ehd_status hdf5_write_failed(artefact *file, const char *object, ehd_error *error);
 ehd_status hdf5_read_failed(const artefact *file, const char *object, ehd_error *error);
 
 /* Opens an existing file, with `flags` as for H5Fopen. `clear_flags` is for a file that no other
- * process writes. As h5clear does, it clears the marks of a killed writer in the superblock and
- * accepts data behind the end of file that the superblock states. Negative on failure. */
+ * process writes. As h5clear does, the function then clears the marks of a killed writer in the
+ * superblock. It also accepts data behind the end of file that the superblock states. Returns a
+ * negative number on failure. */
 hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags);
 enum { HDF5_PAGE_BYTES = 4096 };
 hid_t hdf5_create(const char *path);
@@ -103,16 +106,16 @@ bool hdf5_put_attribute(hid_t object, const char *name, hid_t type, const void *
 /* Writes a text of up to 65 kB: fixed length, UTF-8, NUL at the end. */
 bool hdf5_put_string(hid_t object, const char *name, const char *text);
 
-/* Writes a text at the root. A long text is split into attributes NAME, NAME_2, NAME_3, … */
+/* Writes a text as attribute NAME of the root. A long text is split into NAME, NAME_2, NAME_3, … */
 bool hdf5_put_text(hid_t root, const char *name, const char *text);
 
-/* Returns a string attribute of fixed or variable length; free(). Returns NULL if the attribute is
- * missing or is not a text. */
+/* Returns a string attribute of fixed or variable length; free it with free(). NULL: the attribute
+ * is missing or is not a text. */
 char *hdf5_get_string(hid_t object, const char *name);
-/* Returns the pieces that hdf5_put_text wrote, joined; free(). */
+/* Returns the joined pieces that hdf5_put_text wrote; free the text with free(). */
 char *hdf5_get_text(hid_t root, const char *name);
 /* Reads one number of class `wanted` (H5T_FLOAT also accepts integers). Returns false if the
- * attribute is missing or something else. */
+ * attribute is missing or is not such a number. */
 bool hdf5_get_number(hid_t object, const char *name, H5T_class_t wanted, void *value);
 
 /* Check whether the object exists. After a failed look-up the functions return false, and
@@ -134,9 +137,10 @@ ehd_status hdf5_refuse(const char *path, const char *name, const char *found, eh
 // ---- values.c
 
 const char *values_text(artefact_values values); // for the schema pages; "": all values are allowed
-/* Checks whether a range restricts the order of the numbers, so that all are checked together. */
+/* Checks whether a range also restricts the order of the numbers, so that all numbers must be
+ * checked together. */
 bool values_have_order(artefact_values values);
-/* Check one number of an attribute. EHD_DATA: it is outside the range. */
+/* Check one number of an attribute. EHD_DATA: the number is outside the range. */
 ehd_status check_real(const artefact *file, const char *name, artefact_values values, double found,
                       ehd_error *error);
 ehd_status check_integer(const artefact *file, const char *name, artefact_values values,
@@ -183,7 +187,7 @@ ehd_status check_digest(const artefact *file, const char *name, const char *dige
                         ehd_error *error);
 ehd_status check_content(const artefact *file, const artefact_field *field, const void *numbers,
                          ehd_error *error);
-/* Reads the digests of a file, and checks its attributes and its list of datasets. */
+/* Reads a file's digests and compares its attributes and list of datasets with these digests. */
 ehd_status learn_digests(artefact *file, ehd_error *error);
 /* Writes the digests of a file that is about to get its final name. */
 ehd_status put_digests(artefact *file, ehd_error *error);
@@ -192,8 +196,8 @@ const char *digest_outcome(hid_t file);
 
 // ---- provenance.c
 
-/* Returns "2026-01-31T12:00:00Z fullrun 0.1.0: fullrun scene.yml -o result.h5", or NULL (no
- * memory); free(). */
+/* Returns "2026-01-31T12:00:00Z fullrun 0.1.0: fullrun scene.yml -o result.h5"; free it with
+ * free(). NULL: there is no memory. */
 char *history_line(const program *caller);
 
 /* Copies text and replaces bytes that are not UTF-8 by '?', because readers refuse a file with
@@ -237,7 +241,7 @@ ehd_status keep_copy(artefact *file, ehd_error *error);
 void drop_copy(artefact *file);
 /* Returns the name of the file that is being written: the copy, or PATH.partial. */
 const char *written_name(const artefact *file);
-/* Waits until the written file is on disk; EHD_IO. */
+/* Waits until the written file is on disk. Error: EHD_IO. */
 ehd_status sync_file(const artefact *file, ehd_error *error);
 
 /* Checks whether the first axis of a field counts items that a writer finishes one by one, such as
@@ -271,7 +275,9 @@ bool field_exists(const artefact *file, const artefact_field *field);
  * open internally, because every entry is written to all these datasets. Negative on failure. */
 hid_t open_dataset(artefact *file, const char *name);
 
-/* Get or change the length along the first axis. extend_dataset only makes a dataset longer. */
+/* Functions for the length of a dataset along its first axis. is_extendible checks whether the
+ * dataset can grow. set_dataset_length makes a dataset on the growing axis longer or shorter.
+ * extend_dataset makes it longer, if necessary, so that it has at least `length` entries. */
 size_t dataset_length(hid_t dataset);
 bool is_extendible(hid_t dataset);
 bool set_dataset_length(hid_t dataset, size_t length);

@@ -6,7 +6,8 @@
 
 #include <string.h>
 
-/* Returns the kind of a link as text; NULL for a hard link, which stays in this file. */
+/* Returns the kind of a link as text. Returns NULL for a hard link, which leads to an object of
+ * this file. */
 static const char *other_link(H5L_type_t type) {
     switch (type) {
     case H5L_TYPE_HARD:
@@ -20,8 +21,9 @@ static const char *other_link(H5L_type_t type) {
     }
 }
 
-/* Returns the kind of the first link in a path such as "group/dataset" that is not hard, or NULL.
- * Checks each link before it follows the link. *address: the object at the end of the path. */
+/* Returns, as text, the kind of the first link that is not hard in a path such as "group/dataset".
+ * Returns NULL if all links are hard. Checks each link before it follows the link. *address is the
+ * address of the object at the end of the path. */
 static const char *other_step(haddr_t *address, hid_t root, const char *path) {
     char step[512];
     const char *found = NULL;

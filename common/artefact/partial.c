@@ -13,7 +13,8 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Checks whether the open file still has this name; another writer may have taken the name. */
+/* Checks whether the open file still has this name. Another writer may have given the name to
+ * another file. */
 static bool has_name(int descriptor, const char *name) {
     struct stat opened, named;
     return fstat(descriptor, &opened) == 0 && stat(name, &named) == 0 &&
@@ -153,7 +154,8 @@ ehd_status keep_copy(artefact *file, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Files that --resume continues. An entry of at least `min` in the dataset is finished work. */
+/* Files that --resume continues. If the dataset has an entry of at least `min`, a part of the work
+ * is finished. */
 static const struct {
     const artefact_schema *schema;
     const char *dataset;
@@ -203,10 +205,12 @@ static bool has_entry(hid_t file, const char *name, int64_t min) {
     return found;
 }
 
-/* Returns a text on what an interrupted run has finished in a file; NULL: nothing. */
+/* Returns a text on what an interrupted run has finished in a file. NULL: it has finished
+ * nothing. */
 static const char *find_finished(const char *path) {
     const char *finished = NULL;
-    // after a killed writer HDF5 opens a file only in the mode for reading beside a writer
+    // if a killed writer left its mark, HDF5 opens the file only in the mode for reading beside a
+    // writer
     const hid_t partial = hdf5_open(path, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, true);
     char *kind = partial >= 0 ? hdf5_get_string(partial, "schema_name") : NULL;
 

@@ -34,8 +34,9 @@ ehd_status check_readable(const char *path, ehd_error *error) {
 /* HDF5's message for a file that is being written or whose writer was killed. */
 static const char has_writer[] = "already open for";
 
-/* Opens a file that may be unfinished, even while another process writes it. Tries again if the
- * writer has not yet written up to its new end of file, so that HDF5 finds the file too short. */
+/* Opens a file that may be unfinished, even while another process writes it. If the writer has set
+ * a new end of file but has not yet written up to this end, HDF5 finds the file too short. The
+ * function then tries again. */
 static hid_t open_beside_writer(const char *path) {
     enum { ATTEMPTS = 50 }; // half a second
     const struct timespec pause = {.tv_nsec = 10000000};
@@ -284,7 +285,8 @@ static ehd_status check_scale(const artefact *file, const char *axis, ehd_error 
     return status;
 }
 
-/* Reads the shape of a dataset, if any. Checks its type, and that its data are in this file. */
+/* Reads the shape of a dataset, if the file has it. Checks the type of the dataset, and that its
+ * data are in this file. */
 static ehd_status look_at(file_dataset *of, const artefact *file, ehd_error *error) {
     const char *name = of->field.name;
     hsize_t dims[H5S_MAX_RANK] = {0};
@@ -307,7 +309,8 @@ static ehd_status look_at(file_dataset *of, const artefact *file, ehd_error *err
     return status;
 }
 
-/* Returns the length of a dataset along an axis; 0: it is missing or has another number of axes. */
+/* Returns the length of a dataset along an axis of the schema. Returns 0 if the file lacks the
+ * dataset, or if the number of its axes differs from the schema. */
 static size_t length_along(const file_dataset *of, const char *axis) {
     size_t rank = 0, place = ARTEFACT_MAX_RANK;
 
@@ -317,8 +320,8 @@ static size_t length_along(const file_dataset *of, const char *axis) {
 }
 
 /* Finds the lengths of optional axes. A file has an optional axis if it has the scale of this axis.
- * Files of other programs may lack scales. The length is then taken from a field that has all of
- * its axes. */
+ * Files of other programs may lack scales. The length is then taken from a field whose dataset has
+ * all axes that the schema gives. */
 static void learn_optional_axes(artefact *file) {
     for (file_dataset *axis = file->datasets; axis < file->fields; axis++) {
         if (!axis->axis->optional) continue;
@@ -328,7 +331,7 @@ static void learn_optional_axes(artefact *file) {
     }
 }
 
-/* Checks the shape of a field, if any. EHD_DATA: a NEED_ALWAYS field is missing. */
+/* Checks the shape of a field, if the file has it. EHD_DATA: a NEED_ALWAYS field is missing. */
 static ehd_status check_field(artefact *file, const file_dataset *of, ehd_error *error) {
     const artefact_field *field = &of->field;
     const char *axes[ARTEFACT_MAX_RANK];
@@ -466,8 +469,9 @@ static ehd_status check_interrupted(const artefact *file, ehd_error *error) {
                           shown_name(file));
 }
 
-/* Returns how many entries one call reads: few, because HDF5 takes 5 kB of memory for each chunk of
- * a call, but all if the order of the entries is checked. */
+/* Returns how many entries one call reads. HDF5 takes 5 kB of memory for each chunk of a call, so a
+ * call reads only a few chunks. If the order of the entries is checked, one call reads all entries.
+ * The order is not checked in a file that is being written. */
 static size_t slice_of(const artefact *file, const artefact_field *field) {
     enum { SLICE_NUMBERS = 1 << 16 };
     const size_t length = num_entries(file, field), entry = entry_size(file, field);

@@ -14,7 +14,8 @@ static bool must_write(const artefact *file, artefact_need need) {
     return need == NEED_ALWAYS || (need == NEED_OWN && !file->copied);
 }
 
-/* Returns EHD_INTERNAL, or EHD_DATA in a resumed file, which another process wrote. */
+/* Reports a missing item. Returns EHD_DATA for a resumed file, because another process wrote it,
+ * and EHD_INTERNAL otherwise. */
 static ehd_status not_written(const artefact *file, const char *name, ehd_error *error) {
     return ehd_fail(error, file->history_line ? EHD_DATA : EHD_INTERNAL,
                     "%s: found no %s, expected it in every %s", shown_name(file), name,

@@ -17,8 +17,8 @@ static ehd_status status_of(const hdf5_reason *reason) {
     return reason->system ? EHD_IO : EHD_DATA;
 }
 
-/* Returns the number of entries of a dataset of numbers along one axis; negative: other
- * datasets. */
+/* Returns the number of entries of a dataset that holds numbers along one axis, and a negative
+ * number for other datasets. */
 static hssize_t count_entries(hid_t dataset) {
     const hid_t type = H5Dget_type(dataset), space = H5Dget_space(dataset);
     const H5T_class_t class = H5Tget_class(type);

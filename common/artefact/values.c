@@ -64,8 +64,9 @@ bool values_have_order(artefact_values values) {
     return ranges[values].order != ORDER_ANY;
 }
 
-/* Returns the number of lines of the film, 1 without an axis y. They include the lines of boundary
- * nodes, one in a half domain and two in a whole domain, which the axis y lacks. */
+/* Returns the number of lines of the film. This number includes the lines of boundary nodes, which
+ * are not part of the axis y. A half domain has one boundary line, a whole domain has two. Without
+ * an axis y the film has one line. */
 static int64_t film_lines(const artefact *file) {
     const int64_t lines = (int64_t)artefact_length(file, "y");
     int64_t half = 0;

@@ -86,7 +86,8 @@ static void choose_chunks(hsize_t *chunk, const hsize_t *dims, int rank, layout 
     }
 }
 
-/* Returns false if there is no memory for a property: the file would then have another layout. */
+/* Sets the properties of a dataset. Returns false if there is no memory for a property, because the
+ * file would then have another layout. */
 static bool set_properties(hid_t properties, bool integer, const hsize_t *chunk, int rank,
                            bool early) {
     const double no_real = NAN;

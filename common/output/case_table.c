@@ -173,8 +173,9 @@ static bool is_known(size_t column, const case_row *row) {
                                                       : !isnan(real_of(row, column));
 }
 
-/* Checks whether the table has a column: an optional column needs a row with a value. The prefix
- * line_ is only for line contacts, the prefix point_ only for the other kinds. */
+/* Checks whether the table has a column. The table has an optional column if some row has a value
+ * for the column. Columns with the prefix line_ are only for line contacts, columns with the prefix
+ * point_ only for the other kinds. */
 static bool applies(const case_table *self, size_t column, const contact_kind *kind) {
     const char *other = kind->dimensions > 1 ? "line_" : "point_";
 
@@ -361,7 +362,8 @@ static ehd_status measure_done(case_table *self, size_t most, size_t *bytes, ehd
                                                     : open_done(self, error);
 }
 
-/* Computes the SHA-256 of the first `bytes` of a file. Returns false on failure. */
+/* Computes the SHA-256 of the first `bytes` of a file. Returns false if the file is shorter or
+ * cannot be read. */
 static bool hash_file(struct sha256_ctx *hash, const char *path, size_t bytes) {
     FILE *stream = fopen(path, "r");
     uint8_t block[4096];

@@ -30,7 +30,7 @@ typedef struct case_row {
     // only for a scene with sliding:
     double friction_coefficient, indicated_deviation_friction;
     double friction_force, power_loss; // N/m and W/m of a line contact, N and W of a point contact
-    double rolling_resistance, rolling_moment;      // line contact: N/m and N; point: N and N m
+    double rolling_resistance, rolling_moment;      // line contact: N/m, N; point contact: N, N m
     double mean_shear_stress, largest_shear_stress; // Pa
     double residual_norm;
     double solve_seconds; // s

@@ -31,7 +31,8 @@ ehd_status grid_write_axes(artefact *file, const ehd_grid *grid, ehd_error *erro
     return write_axis(file, "y", grid->inner_lines, grid->inner_x, grid, grid_y, error);
 }
 
-/* Return the number of values of a field at the inner nodes in a file, and the node of each. */
+/* Return the number of values that a file has for a field at the inner nodes, and the grid node of
+ * each value. */
 static size_t count_inner(const ehd_grid *grid, bool mirrored) {
     return mirrored ? grid_whole(grid).num_inner : grid->num_inner;
 }

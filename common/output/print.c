@@ -144,8 +144,8 @@ static size_t axis_place(const char *const *axes, size_t rank, const char *name)
     return place;
 }
 
-/* Checks whether a column fits: a dataset must have the same axes as the entries, an axis must be
- * one of them. */
+/* Checks whether a column fits: a dataset must have the same axes as the entries, and an axis must
+ * be one of these axes. */
 static bool fits(const column *one, const entries *all) {
     if (!one->field)
         return one->rank == 0 || axis_place(all->axes, all->rank, one->name) < all->rank;
@@ -313,7 +313,8 @@ static double factor_at(const column *one, const entries *all,
     return si_units_at(&one->si, one->frame_axis < all->rank ? index[one->frame_axis] : 0);
 }
 
-/* Prints one value. `place`: entry in the slice of a field; `index`: place along each axis. */
+/* Prints one value. `place` is the position of the entry in the slice of a field. `index` is its
+ * position along each axis. */
 static void print_value(const column *one, const entries *all, size_t place,
                         const size_t index[ARTEFACT_MAX_RANK], FILE *stream) {
     if (one->text) {

@@ -183,7 +183,8 @@ static void print_value(const char *name, double value, double scale, const char
         printf("%-24s%.8g\n", name, value);
 }
 
-/* Adds one source of error to the line; nothing for NaN. Infinite: prints the reason `lack`. */
+/* Adds one source of error to the line. Prints nothing if `part` is NaN. If `part` is infinite,
+ * prints `lack`, the reason why there is no estimate. */
 static void print_part(const char **separator, const char *name, double part, const char *lack) {
     if (isnan(part)) return;
     printf("%s%s ", *separator, name);
@@ -207,7 +208,8 @@ static void print_parts(const char *head, double model, double step, double inle
     putchar('\n');
 }
 
-/* Prints a line with the error estimates of other quantities. */
+/* Prints a line with the error estimates of other quantities. `with_friction`: the result has
+ * friction. */
 static void print_indicated(const double *indicated, bool with_friction) {
     const char *separator = "";
     bool any = false;

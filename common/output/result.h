@@ -33,9 +33,10 @@ typedef struct run_result {
     double load;          // relative to the reference
     size_t newton_iterations;
     double residual;
-    double indicated_deviation;         // relative error estimate of the central film; NaN: none
+    double indicated_deviation;         // relative error estimate of the central film, or NaN
     double indicated_deviation_minimum; // error estimate of the minimum film
-    const double *indicated;     // [NUM_INDICATED] estimates of other quantities; NULL or NaN: none
+    const double *indicated;     // [NUM_INDICATED] error estimates of other quantities, or NaN;
+                                 // NULL: there are no estimates
     const film_effects *effects; // estimated errors due to the grid; NULL: unknown
     result_model solved_by;      // SOLVED_BY_ANY: the model is not stored
     ehd_status status;           // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED

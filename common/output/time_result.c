@@ -199,8 +199,8 @@ ehd_status time_result_append(artefact *file, const ehd_grid *grid, const time_e
 
 // ---- restart slots
 
-/* Reads, for each slot, after how many entries a run resumes from it. A kill may leave a slot
- * invalid. */
+/* Reads the number of entries of each slot. A run that resumes from a slot continues after this
+ * number of entries. A slot is invalid if a kill damaged its number. */
 static ehd_status get_slots(int64_t num_entries[NUM_SLOTS], artefact *file, ehd_error *error) {
     ehd_status status = EHD_OK;
 
@@ -365,7 +365,8 @@ static ehd_status get_time(time_series *series, artefact *file, ehd_error *error
     return status;
 }
 
-/* Reads number `place` of the `each` numbers that a field has per time; NaN: no such field. */
+/* Reads one number of a field for each time. The field has `each` numbers per time, of which number
+ * `place` is read. The result is NaN if the file lacks the field. */
 static ehd_status get_real(double *values, size_t num_times, artefact *file, const char *name,
                            size_t each, size_t place, ehd_error *error) {
     for (size_t t = 0; t < num_times; t++)

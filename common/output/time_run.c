@@ -153,7 +153,8 @@ static ehd_status write_waiting(runner *self, ehd_error *error) {
     return status;
 }
 
-/* Writes an entry with fields at once, because the next step overwrites the fields. */
+/* Writes an entry with fields at once, because the next step overwrites the fields. Other entries
+ * wait and are written together. */
 static ehd_status write_entry(runner *self, const time_entry *entry, double now, ehd_error *error) {
     self->waiting[self->num_waiting++] = *entry;
     if (!entry->pressure && self->num_waiting < MAX_WAITING && now - self->last_write < WRITE_PAUSE)
@@ -353,7 +354,8 @@ static void report_shortfall(const runner *self, ehd_status outcome) {
                self->march.untrusted);
 }
 
-/* Returns the time steps' effect on the central film, root mean square over time; NaN: unknown. */
+/* Returns the effect of the time steps on the central film, as root mean square over time. Returns
+ * NaN if the effect is not known. */
 static double mean_effect(const run_totals *totals, const march_state *state) {
     return state->time > 0 ? sqrt(totals->effect_squares / state->time) : NAN;
 }

@@ -65,7 +65,8 @@ ehd_status traction_put_stresses(artefact *file, size_t index, const ehd_contact
     return status;
 }
 
-/* Returns how many digits to print for a relative error; the last two digits are uncertain. */
+/* Returns how many digits to print of a number with the relative error `error`. The last two of
+ * these digits are uncertain. */
 static int digits_of(double error, int most) {
     return error > 0 ? (int)fmin(fmax(ceil(-log10(error)) + 1, 1), most) : most;
 }

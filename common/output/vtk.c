@@ -93,7 +93,8 @@ static void release(images *self) {
     }
 }
 
-/* Reads the fields of a time in SI units. *any: the time has fields. Fields not written are NaN. */
+/* Reads the fields of a time in SI units. *any is true if the time has fields. A field that was not
+ * written is NaN at all nodes. */
 static ehd_status read_time(bool *any, images *self, size_t time, ehd_error *error) {
     const size_t count = self->num_x * self->num_lines;
     ehd_status status = EHD_OK;
@@ -214,7 +215,8 @@ static void print_quoted(const char *text, FILE *stream) {
     }
 }
 
-/* Returns the path of an image in the folder of the collection `path`. Free with free(). */
+/* Returns the path of an image in the folder of the collection `path`, which ends with ".pvd". Free
+ * the path of the image with free(). */
 static char *image_path(const char *path, size_t number) {
     char *name = NULL;
     const int base = (int)(strlen(path) - strlen(".pvd"));

@@ -94,7 +94,8 @@ static double point_primitive(double a, double b) {
  * kernel_is_the_integral_over_a_cell). */
 static const double FAR_CELL = 40;
 
-/* Returns the integral of 1/r over a distant square cell, by its moments up to the fourth. */
+/* Returns the integral of 1/r over a distant square cell, by a multipole expansion up to the fourth
+ * moments of the cell. */
 static double far_cell(double x, double y, double step) {
     double square = x * x + y * y, cell = step * step, small = cell / square;
     double fourth = (105 * (x * x * x * x + y * y * y * y) / (square * square) - 72) / 1920 +
@@ -535,7 +536,8 @@ static ehd_status check_heating(const ehd_contact *contact, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Returns the shape of an ellipse from its radii or ellipticity, else shape_round. */
+/* Returns the shape of an ellipse from its radii or its ellipticity. For the other kinds of
+ * contact, returns shape_round. */
 static contact_shape shape_given(const contact_settings *given) {
     if (given->kind != &contact_ellipse) return shape_round;
     return shape_of(isnan(given->radius_across)

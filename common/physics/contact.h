@@ -30,8 +30,9 @@ typedef struct contact_kind {
     double (*central_film)(const contact_shape *shape, double moes_M, double moes_L);
     // gap of the dry contact on Y = 0, |x| >= 1
     double (*dry_gap)(const contact_shape *shape, double x);
-    // Change of the rigid approach per unit of (int P)/load. `half_width`: the current half width;
-    // `length`: distance at which the approach is measured; both in reference half widths.
+    // Change of the rigid approach per unit of (int P)/load. `half_width` is the current half
+    // width. `length` is the distance at which the approach is measured. Both are in reference half
+    // widths.
     double (*approach_shift)(double half_width, double length);
     // Moes number M. The load number is w/(E' R) for a line contact and w/(E' R^2) for a point
     // contact. The speed number is eta0 2 u_m/(E' R)
@@ -56,7 +57,8 @@ typedef enum ehd_discretization {
 
 /* Returns the name of a discretisation in scenes and files. */
 const char *discretization_name(ehd_discretization discretization);
-/* Returns EHD_DATA for cross fluxes, which cannot be used in a transient run. */
+/* Checks that a discretisation can be used in a transient run. Returns EHD_DATA for the
+ * discretisation with cross fluxes, otherwise EHD_OK. */
 ehd_status discretization_check_in_time(ehd_discretization discretization, ehd_error *error);
 /* Finds a discretisation by its name. Returns false if there is none. */
 bool discretization_find(ehd_discretization *discretization, const char *name);
@@ -83,10 +85,12 @@ const char *transport_name(ehd_transport transport);
 /* Finds a transport by its name. Returns false if there is none. */
 bool transport_find(ehd_transport *transport, const char *name);
 
-/* Transport in the transient solutions of a model's training, which a reduced model uses too. */
+/* How the transient solutions of a model's training carry their films through the contact. A
+ * reduced model carries its films in the same way. */
 typedef struct ehd_carriage {
     ehd_transport transport;
-    double smoothing; // filter length (transient.smoothing), half widths; NaN: none or unknown
+    double smoothing; // filter length (transient.smoothing), half widths; NaN: there is no filter,
+                      // or its length is not known
 } ehd_carriage;
 
 /* Returns EHD_DATA if `found` and `expected` differ. A NaN smoothing agrees with any value.
@@ -236,8 +240,10 @@ typedef struct ehd_contact {
     contact_closure closure;
     ehd_transport transport; // transport of films in time
     double smoothing;        // filter length for TRANSPORT_PATH, half widths; NaN: default
-    double time_tolerance;   // tolerance of the time steps, for the default smoothing; NaN: unknown
-    // distance at which the approach is measured, reference half widths; 1: eq. 4 of Maier et al.
+    double time_tolerance;   // error tolerance of the time steps, on which the default smoothing
+                             // depends; NaN: the tolerance is not known
+    // distance at which the approach is measured, in reference half widths; 1: as in eq. 4 of Maier
+    // et al.
     double approach_length;
     double hertz_pressure; // Pa
     double moes_M, moes_L; // dimensionless
@@ -249,7 +255,7 @@ typedef struct ehd_contact {
     double modulus;        // Pa, E', NaN unless the scene is physical
     double viscosity;      // Pa s, at zero pressure, NaN unless the scene is physical
     double slide_roll;     // (u1 - u2)/speed, NaN: no traction
-    // waviness, dent or heights of one surface (common/time/surface.h); NULL: both are smooth
+    // waviness, dent or heights of one surface (common/time/surface.h); NULL: smooth surfaces
     const struct ehd_surface *surface;
 } ehd_contact;
 
@@ -316,7 +322,7 @@ ehd_status contact_init(
 /* Returns the L that belongs to M and the Hertz pressure, also if the scene gives that pressure. */
 double contact_moes_L(const ehd_contact *contact);
 
-/* Sets M and L, and from them lambda and the Hertz pressure (README.md, Moes numbers). The
+/* Sets M and L. Lambda and the Hertz pressure follow from M and L (README.md, Moes numbers). The
  * lubricant and the grid stay the same. */
 void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L);
 
@@ -330,15 +336,15 @@ void contact_take_grid(ehd_contact *contact, const ehd_grid *grid);
 
 /* Returns EHD_DATA if the given approach of a line contact is measured at a distance below half the
  * length of the grid. At a distance below a quarter of the pressurised length the compliance of the
- * contact is not positive, and a film squeezed by a given approach would grow without bound. */
+ * contact is not positive. A film squeezed by a given approach would then grow without bound. */
 ehd_status contact_check_approach(const ehd_contact *contact, ehd_error *error);
 
 /* Returns the closure for a given load: the load balance, eq. 9 of Maier et al. */
 contact_closure contact_load_closure(const contact_kind *kind);
 
-/* Return the half width across the entrainment in m (b of an ellipse), the film scale a^2/R in m
- * (physical film: H * scale) and the time scale a/u in s (physical time: T * scale). NaN unless the
- * scene is physical. */
+/* Return the half width across the entrainment in m (b of an ellipse), the film scale a^2/R in m,
+ * and the time scale a/u in s. The physical film is H times the film scale, the physical time is T
+ * times the time scale. All three values are NaN unless the scene is physical. */
 double contact_half_width_across(const ehd_contact *contact);
 double contact_film_scale(const ehd_contact *contact);
 double contact_time_scale(const ehd_contact *contact);

@@ -23,7 +23,8 @@ enum { LINES = 2 };
 struct ehd_deflection {
     ehd_grid grid;
     size_t length, period;  // lengths of the transforms along and across
-    size_t lines;           // different lines of the transform across; half grid: period / 2 + 1
+    size_t lines;           // number of different lines of the transform across; on a half grid
+                            // period / 2 + 1
     double *kernel;         // [grid lines, grid width]
     double *transfer;       // [lines, length / 2 + 1], transform of the kernel
     double *signal;         // Full grid: [lines, length] the pressure, padded with zeros, then the
@@ -67,8 +68,9 @@ static size_t spectrum_width(const ehd_deflection *self) {
     return self->length / 2 + 1;
 }
 
-/* Returns how many numbers a mirrored column has with its padding. A work space (work_size) holds
- * COLUMNS such columns and one transform, or one line and its transform. */
+/* Returns how many numbers a mirrored column has with its padding. A work space (work_size) has
+ * room for COLUMNS such columns and the transform of one column, or for one line and its
+ * transform. */
 static size_t column_size(const ehd_deflection *self) {
     return self->period + APART;
 }
@@ -238,7 +240,8 @@ const double *deflection_kernel(const ehd_deflection *self) {
     return self->kernel;
 }
 
-/* A transform in y, from the lines of the half grid to the lines of the transform, or back. */
+/* Context of a transform in y: from the lines of the half grid to the lines of the transform, or
+ * back. */
 typedef struct across_task {
     ehd_deflection *of;
     const double *from; // [num_from, grid width]
@@ -288,7 +291,8 @@ static void filter(fftw_complex *spectrum, const double *transfer, size_t count)
     }
 }
 
-/* Transforms some lines along x, multiplies them by the kernel's transform, and transforms back. */
+/* Transforms some lines along x, multiplies them by the transform of the kernel, and transforms
+ * them back. */
 static void convolve_lines(void *context, const team_part *part) {
     const ehd_deflection *self = context;
     const size_t width = grid_width(&self->grid), wide = spectrum_width(self);

@@ -18,7 +18,8 @@ bool exit_is_within_node(const ehd_grid *grid) {
     return grid->inner_lines == 1 && grid->discretization == DISCRETIZATION_ACCURATE;
 }
 
-/* The cubic through four neighbouring nodes, at a distance in steps from the second node. */
+/* The cubic through four neighbouring nodes, evaluated at a distance in steps from the second
+ * node. */
 typedef struct cubic {
     double weight[4], slope[4]; // slope: derivatives of the weights
 } cubic;
@@ -30,9 +31,10 @@ static cubic cubic_at(double t) {
                              -(3 * t * t - 2 * t - 2) / 2, (3 * t * t - 1) / 6}};
 }
 
-/* A number, such as the film at the exit, in row.residual. The other members of `row` are its
- * derivatives by pressures and films of a stencil. `by_offset` is its derivative by the distance
- * from the last node before the exit to the exit, in steps. */
+/* A number, such as the film at the exit, with its derivatives. The number is stored in
+ * row.residual. Its derivatives by the pressures and films of a stencil are stored in the other
+ * members of `row`. `by_offset` is its derivative by the distance from the last node before the
+ * exit to the exit, in steps. */
 typedef struct quantity {
     reynolds_row row;
     double by_offset;
@@ -124,7 +126,8 @@ void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, dou
     cell->offset_by_flux = 1 / slope;
     cell->flux_residual = cell->offset.residual * slope / step;
 
-    // second equation, by Simpson's rule from node to exit: int m dP = int U (q - q_exit)/H^3 dx
+    // second equation: int m dP = int U (q - q_exit)/H^3 dx from the node to the exit, by Simpson's
+    // rule
     const quantity first = rise_over_cube(&mass_here, &at_exit, &film_here);
     const quantity second = rise_over_cube(&between, &at_exit, &film_between);
     const double length = offset * step * entrainment / 6;

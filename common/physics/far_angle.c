@@ -88,7 +88,7 @@ static double driven_slope(double ratio, double chi) {
  * equation holds at the collocation points: chi/LAST is a zero, between 0 and 1, of the Chebyshev
  * polynomial of the highest order. */
 static void solve_growth(double term[FAR_TERMS], double ratio) {
-    // matrix: by columns, the last column is the right side
+    // the matrix is stored by columns; its last column is the right side
     double matrix[(FAR_TERMS + 1) * FAR_TERMS] = {0}, work[FAR_TERMS];
 
     for (int i = 0; i < FAR_TERMS - 1; i++) {

@@ -86,6 +86,7 @@ static inner_ends ends_of(const ehd_grid *grid, bool backwards) {
                         grid->shape.ellipticity * (half * grid->shape.cell + extent.y_max)};
 }
 
+/* Adds the rays between two values of the stretched angle (far_angle_stretched). */
 static void add_rays(far_rays *self, const inner_ends *ends, const far_angle *far, double from,
                      double to) {
     if (to <= from) return; // no rays in this range

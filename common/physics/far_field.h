@@ -30,7 +30,8 @@ double far_field_film(const contact_shape *shape, double rigid_approach, double 
  * contact->far_speed. */
 far_value far_field_pressure(const ehd_contact *contact, double rigid_approach, double x, double y);
 
-/* Returns the load of the far field beyond the inner nodes' cells; 0 if there is no far field. */
+/* Returns the load of the far field beyond the cells of the inner nodes, or 0 if the grid has no
+ * far field. */
 far_value far_field_load(const ehd_contact *contact, double rigid_approach);
 
 /* Returns the integrals of friction and rolling over the far field (README.md, traction beyond the
@@ -39,9 +40,9 @@ far_value far_field_load(const ehd_contact *contact, double rigid_approach);
  * the grid has no far field. */
 traction_sums far_field_traction(const ehd_contact *contact, double rigid_approach);
 
-/* Returns an error estimate for the rolling in far_field_traction: the contribution of the last
- * term, the deflection, of the truncated series of the pressure. The integrand is evaluated at the
- * end of the grid and taken as constant up to e times that distance. */
+/* Returns an error estimate for the rolling in far_field_traction. The pressure is a truncated
+ * series, and the estimate is the contribution of its last term, the deflection. The integrand is
+ * evaluated at the end of the grid and taken as constant up to e times that distance. */
 double far_field_rolling_error(const ehd_contact *contact, double rigid_approach);
 
 /* Checks whether a node of a grid with several lines is a boundary node. */
@@ -81,7 +82,8 @@ void far_field_init(
     const size_t *nodes, // [num_nodes] nodes of the grid; NULL: all nodes of the grid
     size_t num_nodes, arena *memory);
 
-/* Adds P of the far field, if any, to the pressures at the boundary nodes, and sets by_approach. */
+/* Adds P of the far field to the pressures at the boundary nodes, and sets by_approach. If the grid
+ * has no far field, P is 0. */
 void far_field_add(
     // in and out:
     double *pressure, // [num_nodes] at the nodes of the list

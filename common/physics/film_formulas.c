@@ -22,7 +22,8 @@ double film_moes(double moes_M, double moes_L) {
 }
 
 double film_nijenbanning_ellipse(double moes_M, double moes_L, double radius_ratio) {
-    // written so that a circle (ratio = 1) has exactly the numbers 1.796, 1.63 and 1.691
+    // written so that the formula for a circle (ratio = 1) contains exactly the numbers 1.796, 1.63
+    // and 1.691
     const double ratio = 1 / radius_ratio; // lambda of the fit
     const double elastic = 1.63 + 0.63 * (pow(ratio, 4. / 7) - 1) + 0.006 * log(ratio);
     const double rigid_iso =

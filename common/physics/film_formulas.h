@@ -14,7 +14,8 @@ typedef struct film_numbers {
     double speed;      // U = eta0 u_m/(E'R)
     double material;   // G = alpha E', 0: isoviscous
     double load;       // W = w/(E'R), for a point contact w/(E'R^2)
-    double half_width; // a/R; for an ellipse all R here are the radius along the entrainment
+    double half_width; // a/R. For an ellipse, R in this and the other numbers is the radius along
+                       // the entrainment
     // numbers of an ellipse, all 1 for a circle: R_y/R_x, b/a of the dry contact, and the ratio of
     // a to the radius of the circular contact with the same load, R_x and E'
     double radius_ratio, ellipticity, width_ratio;
@@ -56,8 +57,8 @@ double film_nijenbanning_ellipse(double moes_M, double moes_L, double radius_rat
 /* Returns H of the circular contact: film_nijenbanning_ellipse divided by (3 M/2)^(2/3). */
 double film_nijenbanning(double moes_M, double moes_L);
 
-/* Returns H at the centre by film_moes for lines, else by film_nijenbanning_ellipse, converted from
- * Moes units. */
+/* Returns H at the centre. For lines it is the result of film_moes. For other contacts it is the
+ * result of film_nijenbanning_ellipse, converted from Moes units. */
 double film_central(const ehd_contact *contact);
 
 /* Returns these numbers for the present state of a contact. Most formulas depend only on M and

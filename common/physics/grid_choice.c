@@ -8,8 +8,10 @@
 /* Limits from which the default grid of a kind of contact follows. H is the isoviscous film. At X =
  * sqrt(2 H) the undeformed gap equals this film. */
 typedef struct grid_rule {
-    double coarsest;     // step, unless the film is thick; finer steps are 1/2, 1/4 ... of it
-    double thick;        // largest step over sqrt(2 H) after doubling for thick films
+    double coarsest;     // step, unless the film is thick; finer steps are 1/2, 1/4 ... of this
+                         // step
+    double thick;        // largest step over sqrt(2 H) up to which the step is doubled for thick
+                         // films
     double around;       // largest step over sqrt(2 H)
     double steps;        // largest step over the width of the inlet, H^(2/3)
     double inlet_effect; // largest effect of the missing inlet on the central film
@@ -140,7 +142,8 @@ static double pressure_effect(const ehd_contact *contact, double film, double al
     return 8. / 11 * grubin_integral(contact, film, length) / all;
 }
 
-/* Returns (2 film/r^2)^2 at r = length, which the far field omits in a gap r^2/2 + film. */
+/* Returns (2 film/r^2)^2 at r = length. This is the size of the terms that the far field omits in a
+ * gap r^2/2 + film. */
 static double omitted_terms(double film, double length) {
     const double part = 2 * film / (length * length);
     return part * part;
@@ -194,7 +197,8 @@ static double whole_steps(double length, double step) {
 static double end_needed(const contact_shape *shape, double film, double y_max, double step) {
     const double thick = 0.475 * sqrt(2 * film);
     const double beside = isnan(y_max) ? 0 : shape->ellipticity * y_max / -tan(shape->far.exit);
-    // 0.01: ceil must not round an error of the exit ray (2e-5 for a circle) up to a half width
+    // The exit ray of a circle has an error of 2e-5. The subtraction of 0.01 prevents ceil from
+    // rounding such an error up to a whole half width.
     const double end = fmax(2, ceil(4. / 3 * fmax(thick, beside) - 0.01));
 
     return step * whole_steps(end, step);

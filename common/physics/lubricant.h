@@ -15,8 +15,8 @@
 
 enum {
     LAW_WORD = 24,           // bytes of a law's name or of a parameter that is a word
-    MAX_LAW_PARAMETERS = 16, // most parameters of one law; more do not compile
-    MAX_LAW_KEYS = 32,       // most keys of all laws of a table; lubricant_init refuses more
+    MAX_LAW_PARAMETERS = 16, // largest number of parameters of one law; more do not compile
+    MAX_LAW_KEYS = 32,       // number of keys in one table; lubricant_init refuses later ones
     MAX_LAW_CONSTANTS = 16
 };
 
@@ -29,7 +29,8 @@ typedef enum law_need {
 } law_need;
 
 /* A parameter of a law: a key below lubricant.viscosity, lubricant.density or lubricant.shear. If
- * several laws of a table have the same key, only `need` and the default may differ. */
+ * several laws of a table have the same key, they must describe the parameter in the same way. Only
+ * `need` and the default may differ from law to law. */
 typedef struct law_parameter {
     const char *key; // "alpha"
     law_need need;
@@ -40,7 +41,8 @@ typedef struct law_parameter {
     const char *help;          // description
 } law_parameter;
 
-/* The value of a parameter: NaN or "" when not given. */
+/* The value of a parameter: a number or a word. NaN or "": the scene does not give the
+ * parameter. */
 typedef union law_value {
     double number;
     char word[LAW_WORD];
@@ -79,24 +81,24 @@ typedef struct lubricant_law {
     bool exponential; // the logarithm of the viscosity is linear in the pressure
 } lubricant_law;
 
-extern const lubricant_law *const viscosity_laws[]; // all end with NULL
+extern const lubricant_law *const viscosity_laws[]; // all three tables end with NULL
 extern const lubricant_law *const density_laws[];
 extern const lubricant_law *const shear_laws[];
 
 struct ehd_lubricant {
     const lubricant_law *viscosity;
-    const lubricant_law *density; // NULL: incompressible, without density terms
+    const lubricant_law *density; // NULL: incompressible; the density terms are left out
     const lubricant_law *shear;
     double viscosity_constants[MAX_LAW_CONSTANTS];
     double density_constants[MAX_LAW_CONSTANTS];
     double shear_constants[MAX_LAW_CONSTANTS];
     double thinning_stress; // Pa, Eyring stress if the law also thins the flow in the film, else 0
-    double eta0; // Pa s, viscosity at zero pressure and `temperature`; NaN: the law has none
+    double eta0; // Pa s, viscosity at p = 0 and `temperature`; NaN: the law does not give it
     // 1/Pa, the coefficient in the Moes number L (README.md, lubricants); default: the derivative
     // of ln(eta) at zero pressure
     double alpha;
     double pressure_limit; // Pa, largest pressure for which the law holds; default: infinite
-    double temperature;    // degC; NaN: the law has none
+    double temperature;    // degC; NaN: not known
     double temperature_coefficient; // 1/K, -d ln(eta0)/dT at the temperature; NaN: not known
     double thermal_conductivity;    // W/(m K); NaN: not known
 };
@@ -111,7 +113,7 @@ const law_parameter *law_key(const lubricant_law *law, const char *key);
  * number. Stored scenes also use this order, so the order must not change. */
 const law_parameter *laws_key(const lubricant_law *const *laws, size_t slot);
 
-/* Returns the number of a key, or MAX_LAW_KEYS if it has none. */
+/* Returns the number of a key, or MAX_LAW_KEYS if the key has no number. */
 size_t laws_slot(const lubricant_law *const *laws, const char *key);
 
 /* Returns the default that all laws with this key share, or NULL. */
@@ -123,7 +125,8 @@ bool laws_require(const lubricant_law *const *laws, const char *key);
 /* Returns the law with this name, or NULL. */
 const lubricant_law *laws_find(const lubricant_law *const *laws, const char *name);
 
-/* Writes the names of the laws that have a key (NULL: of all laws), as "barus|roelands". */
+/* Writes the names of the laws that have a key, as "barus|roelands". If the key is NULL, writes the
+ * names of all laws. */
 void laws_list(
     // output:
     char *list, // [size] bytes; a longer text is truncated
@@ -163,7 +166,7 @@ typedef struct lubricant_rises {
 } lubricant_rises;
 
 lubricant_rises lubricant_rises_at(const ehd_lubricant *lubricant, double pressure); // Pa
-/* Returns one of these rises. */
+/* Returns one of the rises: the one with the index `rise` (RISE_VISCOSITY, …). */
 double lubricant_rise_at(const ehd_lubricant *lubricant, int rise, double pressure);
 lubricant_rises lubricant_rises_unknown(void);
 

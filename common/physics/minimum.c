@@ -48,7 +48,7 @@ static size_t lowest_along(const film *self, size_t node) {
     return node;
 }
 
-/* Returns the minimum along the line around a node, or NaN. */
+/* Returns the minimum along the line around a node, or NaN if there is no minimum. */
 static double minimum_along(const film *self, size_t node) {
     double values[5];
 

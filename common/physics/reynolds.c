@@ -246,7 +246,8 @@ static void add_published_flux(reynolds_row *flux, double step, double entrainme
 typedef struct mobility {
     double value, slope, logarithm, pressure;
     double density, density_slope; // for a thinned flow
-    // for a thinned flow: derivatives of ln mobility by the film and by ln gradient
+    // for a thinned flow: derivatives of ln mobility by the film and by the logarithm of the
+    // gradient
     double log_by_film, log_by_gradient;
 } mobility;
 
@@ -333,7 +334,8 @@ static inline reynolds_link link_with_middle(const mobility *before, const mobil
     const reynolds_link whole = logarithmic_link(before, after, falls.whole, thinned);
     const reynolds_link first = logarithmic_link(before, middle, falls.first, thinned);
     const reynolds_link second = logarithmic_link(middle, after, falls.second, thinned);
-    // derivative by the pressure at either end through the pressure in the middle
+    // part of the derivative by the pressure at either end that comes from the pressure in the
+    // middle
     const double by_middle = (first.by_after + second.by_before) / 2;
 
     return (reynolds_link){
@@ -384,7 +386,8 @@ static inline void thin(mobility *self, const reynolds_fluid *fluid, double film
 }
 
 /* Returns the link of a flow that an Eyring fluid thins, along or across the sliding. `film` is the
- * film at the half node. Two logarithms of ratios replace those of all mobilities and factors. */
+ * film at the half node. Two logarithms of ratios are computed in place of the logarithms of all
+ * mobilities and factors. */
 static reynolds_link thinned_link(const row_nodes *at, int before, int after, double film,
                                   bool along) {
     const reynolds_fluid *fluid = at->fluid;
@@ -774,7 +777,8 @@ typedef struct nodal_flow {
     double flow, square;
 } nodal_flow;
 
-/* Returns the thinned pressure flow at HERE. `own` is the mobility at HERE, not thinned. */
+/* Returns the thinned pressure flow at HERE, from the pressures at the nodes `before` and `after`.
+ * `own` is the mobility at HERE without thinning. */
 static nodal_flow thinned_flow_at(const mobility *own, const row_nodes *at, int before, int after,
                                   bool along) {
     const size_t *node = at->stencil->node;

@@ -55,12 +55,14 @@ typedef struct reynolds_fluid {
     double *log_mobility;   // ln mobility up to a constant; NULL in the published discretisation
     double *density;        // NULL when incompressible
     double *density_slope;
-    // contact, for viscosities half way between nodes; NULL: the mean of both nodes is enough
+    // contact whose viscosity law is also evaluated half way between two nodes; NULL: the mean of
+    // both nodes is enough
     const ehd_contact *between;
     const ehd_contact *thinned; // contact whose flow an Eyring fluid thins; NULL: not thinned
     // rate N of the Eyring fluid (eyring_flow.h) at H = 1 and rho / mobility = 1
     double thinning;
-    // gradient Sigma along the entrainment at H = 1 and a pressure difference of 1 between nodes
+    // gradient Sigma along the entrainment, at H = 1 and a pressure difference of 1 between two
+    // neighbouring nodes
     double gradient_thinning;
     double gradient_across; // gradient across over gradient along, at equal pressure differences
 } reynolds_fluid;
@@ -77,7 +79,8 @@ reynolds_fluid reynolds_fluid_from(const reynolds_fluid *fluid, size_t first_nod
 /* The BDF time derivative of rho H at the nodes of the rows: rate * rho H + previous. */
 typedef struct reynolds_squeeze {
     double rate; // 1 / dimensionless time
-    // [num_rows] weighted sum of rho H at previous time levels, in the current scales
+    // [num_rows] weighted sum of rho H at previous time levels, in the current scales of the
+    // contact
     const double *previous;
 } reynolds_squeeze;
 

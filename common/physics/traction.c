@@ -36,7 +36,8 @@ double contact_shear_stress(const ehd_contact *contact, double pressure, double 
     const double eyring = contact->lubricant.thinning_stress / contact->hertz_pressure;
     const eyring_gradient of =
         eyring_gradient_of(fabs(traction_thinning(contact).gradient * film * gradient));
-    // stress due to sliding; eyring_stress includes the effect of the gradient
+    // Newtonian stress due to sliding at this pressure; eyring_stress includes the effect of the
+    // gradient
     const double newtonian = lubricant_viscous_stress(&contact->lubricant, contact->hertz_pressure,
                                                       fabs(viscous), pressure);
     return copysign(eyring * eyring_stress(&of, newtonian / eyring), viscous);
@@ -89,7 +90,8 @@ double contact_traction_behind(const ehd_contact *contact, const ehd_grid *grid,
 
 // ---- beyond the grid
 
-/* Returns H far upstream of a line contact, with the deflection by the whole load at X = 0. */
+/* Returns H far upstream of a line contact. The deflection is computed as if the whole load acted
+ * at X = 0. */
 static double film_before_line(const contact_scalars *scalars, double distance) {
     return scalars->rigid_approach + distance * distance / 2 - scalars->load / 2 * log(distance);
 }
@@ -161,7 +163,8 @@ contact_traction contact_traction_of(const ehd_contact *contact, const double *p
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
         const double weight = grid_weight(grid, k), in_dry = weight * grid_dry_share(grid, k);
-        // integral from the previous node; at the end of the line also to the next node
+        // integral from the previous node to this node; at the end of the line also to the next
+        // node
         rolling += weight * (film[k - 1] + film[k]) / 2 * (pressure[k] - pressure[k - 1]);
         if (r % grid->inner_x == grid->inner_x - 1)
             rolling += weight * (film[k] + film[k + 1]) / 2 * (pressure[k + 1] - pressure[k]);
@@ -188,7 +191,8 @@ contact_traction contact_traction_of(const ehd_contact *contact, const double *p
     return contact_traction_from(contact, &sums, scalars->load);
 }
 
-/* Returns the pressure at a node; at a boundary node the pressure of the far field, if any. */
+/* Returns the pressure at a node. If the grid has a far field, the pressure of the far field is
+ * returned at boundary nodes. */
 static double pressure_at(const ehd_contact *contact, const double *pressure, double rigid_approach,
                           size_t node) {
     const ehd_grid *grid = &contact->grid;

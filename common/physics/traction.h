@@ -18,14 +18,15 @@ typedef struct contact_traction {
     double coefficient;        // friction over the load
     double friction;           // int tau dA: force on surface 2 along X, and on surface 1 against X
     double rolling_resistance; // 1/2 int h dp/dx dA: force on either surface, against X
-    double rolling_moment;     // -int p x dA over a: moment of the pressure against the rolling
+    double rolling_moment;     // -int p x dA over a: moment of the pressure, which opposes the
+                               // rolling
     double power;              // power input of both surfaces, divided by the product of the load
                                // and the speed at far_speed = 1
     double mean_stress;        // mean of |tau| over the dry contact
     double largest_stress;     // largest |tau|
 } contact_traction;
 
-/* Checks whether a contact has traction: a scene in SI units with a slide-roll ratio. */
+/* Checks whether a contact has traction: its scene is in SI units and gives a slide-roll ratio. */
 bool contact_has_traction(const ehd_contact *contact);
 
 /* Returns a traction that is not known: all NaN. */
@@ -49,7 +50,8 @@ stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure,
  * depends only on M, the Hertz pressure and the lubricant. Both numbers are 0 if the flow is not
  * thinned. */
 typedef struct flow_thinning {
-    // Newtonian stress of the sliding over Eyring's stress, at H = 1 and zero-pressure viscosity
+    // Newtonian shear stress of the sliding over Eyring's stress, at H = 1 with the viscosity at
+    // zero pressure
     double sliding;
     double gradient; // h/(2 tau0) dp/dx at H = 1 and dP/dX = 1
 } flow_thinning;

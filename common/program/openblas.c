@@ -25,7 +25,8 @@ static bool has_avx2(void) {
 }
 #endif
 
-// Functions of OpenBLAS that take and give back one buffer, which it keeps for later calls.
+// Functions of OpenBLAS that take and give back one buffer. OpenBLAS keeps a returned buffer for
+// later calls.
 void *blas_memory_alloc(int unused);
 void blas_memory_free(void *buffer);
 

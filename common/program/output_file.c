@@ -53,7 +53,8 @@ ehd_status output_file_check_inputs(const char *path, const char *const *inputs,
     return EHD_OK;
 }
 
-/* Opens and locks a file. Returns NULL with errno; EWOULDBLOCK: another process writes the file. */
+/* Opens and locks a file for writing. Returns NULL with errno after a failure. EWOULDBLOCK: another
+ * process writes the file. */
 static FILE *open_partial(const char *path) {
     const int descriptor =
         open(path, O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);

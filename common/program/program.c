@@ -128,7 +128,8 @@ bool program_interrupted(void) {
 
 static const char *name_of_program; // NULL: program_start was not called
 
-/* Writes the program's name and a text to stderr, without stdio, which may be in use. */
+/* Writes the program's name and a text to stderr. It does not use stdio, because a call of stdio
+ * may be under way. */
 static void say(const char *text) {
     if (write(STDERR_FILENO, name_of_program, strlen(name_of_program)) < 0 ||
         write(STDERR_FILENO, text, strlen(text)) < 0)
@@ -139,7 +140,8 @@ static void say_no_memory(void) {
     say(": out of memory\n");
 }
 
-/* Ends with EHD_MEMORY in place of exit(-1), which HDF5 may call when memory is refused. */
+/* Ends the process with EHD_MEMORY in place of exit(-1), which HDF5 may call if memory is
+ * refused. */
 static void on_foreign_exit(int code, void *unused) {
     (void)unused;
     if (code != -1) return;
@@ -147,7 +149,8 @@ static void on_foreign_exit(int code, void *unused) {
     _exit(EHD_MEMORY);
 }
 
-/* Replaces FFTW's own function for refused memory, which would print a line and abort. */
+/* Replaces the function that FFTW calls when memory is refused. FFTW's own function prints a line
+ * and aborts. */
 void fftw_assertion_failed(const char *text, int line, const char *file);
 void fftw_assertion_failed(const char *text, int line, const char *file) {
     (void)text, (void)line, (void)file;
@@ -302,7 +305,7 @@ typedef struct parsing {
     void *own; // the program's own options
     bool help;
     bool version;
-    const char *mode_argument; // argument of the option that chose the mode; NULL: none
+    const char *mode_argument; // argument of the option that chose the mode; NULL: no argument
 } parsing;
 
 // ---- modes
@@ -592,7 +595,8 @@ static ehd_status check_arguments(const program *self, const program_mode *mode,
     return EHD_OK;
 }
 
-/* Prints the help of the mode. The help of the mode without a word starts with all usages. */
+/* Prints the help of the mode in use. For the mode without a word, the help starts with the usage
+ * lines of all modes. */
 static void print_help(const program *self, struct argp argp, void (*tail)(void)) {
     char *name = strdup(self->name), *usages = NULL;
     size_t size;
@@ -637,7 +641,7 @@ static ehd_status parse_arguments(program *self, const program_options *options,
                                .max_arguments = options->max_arguments,
                                .output = options->needs_output ? OUTPUT_NEEDED : OUTPUT_OPTIONAL};
     const size_t room = (size_t)self->argc + 1;
-    char **arguments = calloc(room, sizeof *arguments); // a copy: argp reorders it
+    char **arguments = calloc(room, sizeof *arguments); // a copy, because argp reorders it
     ehd_status status;
 
     self->options = options->options;
@@ -649,8 +653,8 @@ static ehd_status parse_arguments(program *self, const program_options *options,
         status = ehd_no_memory(error, "command line");
     } else {
         memcpy(arguments, self->argv, (size_t)self->argc * sizeof *arguments);
-        // errors of getopt start with argument 0, errors of argp with the last part of its path;
-        // now these are equal
+        // errors of getopt start with argument 0, errors of argp with the last part of the path in
+        // argument 0; this line makes both equal
         if (self->argc > 0) arguments[0] = base_name(self->argv[0]);
         status = run_argp(self, &argp, arguments, &input, error);
         if (!status) status = take_mode(self, input.mode_argument, error);
@@ -670,8 +674,8 @@ static ehd_status parse_arguments(program *self, const program_options *options,
 }
 
 /* Opens /dev/null for each standard file that is closed. Otherwise the next opened file would get
- * the number of the standard file, and messages would be written into it. Here writes fail, because
- * /dev/null is opened for reading. */
+ * the number of the standard file, and messages would be written into that file. Writes to
+ * /dev/null fail here, because it is opened for reading. */
 static void fill_standard_files(void) {
     int file;
 
@@ -688,7 +692,7 @@ void program_start(program *self, int argc, char **argv, const program_options *
     *self = (program){.name = argc > 0 ? base_name(argv[0]) : "ehdrom", .argc = argc, .argv = argv};
     setlocale(LC_ALL, "C"); // numbers are written and read with a decimal point
     name_of_program = self->name;
-    // processor_check has run as a constructor; the call makes the linker include it
+    // processor_check has already run as a constructor; this call makes the linker include it
     processor_check(argc, argv, NULL);
     set_signals();
     self->stage = stage_here();

@@ -25,7 +25,7 @@ typedef enum option_type {
 typedef struct program_option {
     const char *name;     // "rows"
     int letter;           // 'j' for -j; 0: the option has no letter
-    const char *argument; // "N", name of the argument in the help; NULL: no argument
+    const char *argument; // name of the argument in the help, such as "N"; NULL: no argument
     const char *help;
     option_type type;
     size_t member; // offset in the struct of the program's own options
@@ -73,13 +73,13 @@ typedef struct program {
 
 typedef enum output_use { OUTPUT_OPTIONAL, OUTPUT_NEEDED, OUTPUT_NONE } output_use;
 
-/* A mode of a program, "romrun cases SCENE.yml CASES.csv". Usage, --help and refusals follow from a
- * table of modes. The first argument, or a hidden option such as --cases (the earlier spelling),
- * chooses the mode. */
+/* A mode of a program, such as "romrun cases SCENE.yml CASES.csv". It is a row of a table, from
+ * which usage, --help and refusals follow. The first argument chooses the mode. A hidden option
+ * such as --cases, the earlier spelling, also chooses the mode. */
 typedef struct program_mode {
     const char *word; // "cases"; NULL: the mode without a word, which is the first row
-    // word, arguments and options; with the prefix "  or:  romrun [OPTION...] " at most 79 columns,
-    // since argp breaks longer lines
+    // word, arguments and options, such as "cases SCENE.yml CASES.csv -m MODEL.h5". With the prefix
+    // "  or:  romrun [OPTION...] " the text has at most 79 columns, since argp breaks longer lines
     const char *usage;
     const char *doc;                     // what the mode does
     size_t min_arguments, max_arguments; // without the word
@@ -98,8 +98,9 @@ typedef struct program_options {
     void (*help_tail)(void);             // prints more help to stdout (settings table), may be NULL
     size_t min_arguments, max_arguments; // positional; --print takes any number
     bool needs_output; // -o is required (never with --check or --print, always with --vtk)
-    // at most MAX_PROGRAM_MODES rows, then {0}; NULL: no modes. The row of a mode replaces the
-    // usage, the number of arguments and the use of -o above
+    // at most MAX_PROGRAM_MODES rows, then {0}; NULL: the program has no modes. With modes, the row
+    // of a mode gives the usage, the number of arguments and the use of -o, instead of the members
+    // above
     const program_mode *modes;
 } program_options;
 
@@ -134,8 +135,8 @@ void program_warn(const program *program, const char *format, ...)
 typedef struct progress {
     const program *program;
     size_t total;
-    // duration of the work that follows in the same stage, s; 0 after progress_start; NAN: not
-    // known, so the expected duration of the stage is used
+    // duration of the work that follows in the same stage, s. progress_start sets `rest` to 0. NAN:
+    // this duration is not known, so the expected duration of the stage is used
     double rest;
     bool more;         // more work of unknown duration may follow
     size_t done;       // items done at the last progress_show

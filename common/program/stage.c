@@ -11,7 +11,8 @@
 
 enum { STAGE_NAME = 128 };
 
-/* Copies the name of stage `number`, counted from 1; empty if there is no such stage. */
+/* Copies the name of stage `number`, counted from 1. The name is empty if there is no such
+ * stage. */
 static void name_of(char name[STAGE_NAME], const stage *self, size_t number) {
     const char *rest = self->names;
     int length = 0;
@@ -75,8 +76,9 @@ static expectation expected(const stage *self, size_t number) {
     return result;
 }
 
-/* Rewrites the file. `seconds` is the duration of the present stage if `last` is NULL, else the
- * least duration of each later stage of the name `last` (stage.h). */
+/* Rewrites the file with a new duration. If `last` is NULL, `seconds` is the duration of the
+ * present stage. Otherwise `seconds` is a lower bound for each later stage whose name ends in
+ * `last` (stage.h). */
 static void renew(const stage *self, const char *last, double seconds) {
     char name[STAGE_NAME], path[sizeof self->file + 32];
     FILE *file = NULL;

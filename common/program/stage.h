@@ -25,16 +25,16 @@ stage stage_here(void);
 /* Stores the duration of the stage for the next run. */
 void stage_end(const stage *self);
 
-/* Goes on to the next stage, if its name is `last` or ends in "-" and `last`. */
+/* Goes on to the next stage if the name of that stage is `last`, or ends in "-" and `last`. */
 void stage_next(stage *self, const char *last);
 
 /* Stores a lower bound in seconds for all later stages whose name is `last` or ends in "-" and
- * `last`. A failure is not reported, because only the display of progress uses the file. */
+ * `last`. A failed write is not reported, because only the display of progress uses the file. */
 void stage_expect(const stage *self, const char *last, double seconds);
 
-/* Returns the seconds left in all stages. `left` is the time left in the present stage. If `whole`,
- * the present stage then ends. Otherwise the present stage lasts as long as expected, and at least
- * `left`. Returns NAN if a duration is not known. */
+/* Returns the seconds left in all stages. `left` is the time left in the present stage. If `whole`
+ * is true, the present stage ends after this time. Otherwise the present stage lasts as long as
+ * expected, and at least `left`. Returns NAN if a duration is not known. */
 double stage_left(
     // output:
     bool *at_least, // true if some of the summed durations are lower bounds

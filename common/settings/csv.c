@@ -62,8 +62,9 @@ static csv_state state_after(csv_state state, char next, const char *separators)
     return next == '"' ? IN_QUOTES : strchr(" \t\r", next) ? FIELD_BEGINS : IN_FIELD;
 }
 
-/* Finds the end of the record that begins at `start`: its line break, or the end of the text. Reads
- * further lines for a quoted field that spans several lines. */
+/* Finds the end of the record that begins at `start`. *end becomes the index of the record's line
+ * break, or of the end of the text. If a quoted field spans several lines, the further lines are
+ * read. */
 static ehd_status find_end(size_t *end, csv_file *self, size_t start, const char *separators,
                            ehd_error *error) {
     csv_state state = FIELD_BEGINS;
@@ -132,7 +133,8 @@ static char *unquote(char *field, char separator) {
     return end;
 }
 
-/* Returns the next field of a record, and in *rest what follows it. NULL after the last field. */
+/* Returns the next field of a record, or NULL after the last field. *rest moves on to the rest of
+ * the record. */
 static char *next_field(char **rest, char separator) {
     if (!*rest) return NULL;
     const char stops[] = {separator, '\0'};
@@ -175,7 +177,8 @@ static ehd_status check_once(const csv_file *self, ehd_error *error) {
                       shown, all);
 }
 
-/* Returns the separator: a comma if the header has one outside of quotes, else ; or a tab. */
+/* Returns the separator: a comma if the header has one outside of quotes, otherwise a semicolon or
+ * a tab. */
 static char separator_of(const char *header) {
     const char all[] = ",;\t";
     bool has[sizeof all] = {false};

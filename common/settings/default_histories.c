@@ -121,6 +121,7 @@ ehd_status default_histories_read(default_histories *self, const tree_node *node
 
 // ---- the trajectories
 
+/* One trajectory: its shape, and the indices of its quantities. */
 typedef struct choice {
     const trajectory_shape *shape;
     size_t quantity[MOST_VARYING];
@@ -137,8 +138,9 @@ static bool is_wanted(const default_histories *self, const choice *of) {
     return wanted;
 }
 
-/* Finds the trajectory `number`; the trajectories of a quantity or of a pair are consecutive.
- * Returns `number` + 1, but at most the count of all trajectories. */
+/* Finds trajectory `number`. The trajectories of one quantity are consecutive. The trajectories of
+ * one pair of quantities are consecutive, too. Returns number + 1, or the number of all
+ * trajectories if that is less. */
 static size_t choose(choice *chosen, const default_histories *self, size_t number) {
     const size_t num = self->num_quantities;
     size_t count = 0;

@@ -23,7 +23,8 @@ static place place_in(const plan_reader *self, const tree_node *node) {
     return (place){self->path, node->line};
 }
 
-/* Checks that a node is a map with keys from `keys`, which ends with NULL. EHD_DATA otherwise. */
+/* Checks that a node is a map and that all its keys are in `keys`, which ends with NULL. Returns
+ * EHD_DATA otherwise. */
 static ehd_status check_keys(const plan_reader *self, const tree_node *map, const char *what,
                              const char *const *keys, const char *expected) {
     char shown[SHOWN_TEXT];

@@ -8,7 +8,8 @@
 
 // ---- writing
 
-/* Prints the settings in which a point differs from the point before; all if `before` is NULL. */
+/* Prints the settings in which a point differs from the point before. If `before` is NULL, prints
+ * all settings that are given. */
 static void print_changes(FILE *stream, const scene *now, const scene *before) {
     for (const setting *row = scene_settings(); row->key; row++) {
         const bool given = setting_is_given(row, now);
@@ -63,12 +64,13 @@ typedef struct text_reader {
     plan *plan;
     place where; // location of the current line
     scene scene; // values of the current point so far
-    // group of the next point; number of points that the allocated memory can hold
+    // group: group of the next point; room: number of points that the allocated memory can hold
     size_t group, room;
     ehd_error *error;
 } text_reader;
 
-/* Reads a pair of bounds, ", KEY from LOWEST to HIGHEST". Returns the length read; 0 on failure. */
+/* Reads one pair of bounds, ", KEY from LOWEST to HIGHEST". Returns the length of this text, or 0
+ * if the text has another form. */
 static int read_bounds(plan_where *where, const char *text) {
     char key[16];
     double bounds[2];

@@ -138,7 +138,7 @@ typedef struct setting {
     const char *key; // "lubricant.viscosity.alpha"
     setting_type type;
     size_t offset;             // in scene
-    size_t size;               // size of the string, for SETTING_CHOICE, _TEXT and _FILE
+    size_t size;               // string size, for SETTING_CHOICE, SETTING_TEXT and SETTING_FILE
     const char *default_value; // default, written as in a scene; NULL: no default
     const char *choices;       // "line" or "barus|roelands|wlf", for SETTING_CHOICE
     double min, max;           // allowed range, both included, for SETTING_REAL and SETTING_WHOLE
@@ -203,8 +203,8 @@ ehd_status scene_set(scene *scene, const char *key, const char *value, const cha
 ehd_status scene_validate(const scene *scene, const char *where, ehd_error *error);
 
 /* Returns, as text, all settings that have a value: one line "key: value" each, in table order. The
- * numbers read back as the same numbers. Equal scenes give equal texts, so the text also identifies
- * a scene. Free with free(). Returns NULL if there is no memory. */
+ * numbers in the text read back as the same numbers. Equal scenes give equal texts, so the text
+ * also identifies a scene. Free the text with free(). Returns NULL if there is no memory. */
 char *scene_text(const scene *scene);
 
 /* Checks whether `kept`, the text of settings in a file, matches `now`, the text of a scene or a

@@ -142,7 +142,8 @@ static ehd_status check_traction(const scene_source *source, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Checks that only a stationary contact with flow across the entrainment uses cross-flux. */
+/* Checks that the discretization cross-flux is used only for a stationary contact with flow across
+ * the entrainment. Line contacts and transient contacts are refused. */
 static ehd_status check_cross_flux(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
     const bool line = strcmp(of->contact, "line") == 0;

@@ -310,7 +310,8 @@ static const setting *row_before(const setting *row, const char *key) {
     return NULL;
 }
 
-/* Finds the rows of all conditions once, for speed: each case of a table checks all conditions. */
+/* Finds the rows of all conditions once, because each case of a table of cases checks all
+ * conditions. */
 static void find_conditions(void) {
     for (size_t r = 0; r < table.num_rows; r++) {
         const setting *row = &table.rows[r];
@@ -449,7 +450,8 @@ static bool find_similar(char meant[MAX_KEY], const char *key) {
 }
 
 /* Finds the setting or group that an unknown key probably stands for, and copies its name to
- * `meant`. Returns false if there is none. */
+ * `meant`. Looks for a synonym, then for a similar spelling, then for the same last part. Returns
+ * false if it finds no setting or group. */
 static bool find_meant(char meant[MAX_KEY], const char *key) {
     const setting *found = same_meaning(key);
     if (strlen(key) >= MAX_KEY) return false;

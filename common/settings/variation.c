@@ -188,13 +188,15 @@ static ehd_status add_range(variation *self, const tree_node *node, const char *
     return read_bounds(range, node, error);
 }
 
-/* Sets corner number `corner` of the unit cube: each bit is the coordinate of one setting. */
+/* Sets the coordinates of corner number `corner` of the unit cube. Each bit of the number is the
+ * coordinate, 0 or 1, of one setting. */
 static void set_corner(double *here, size_t num_ranges, size_t corner) {
     for (size_t r = 0; r < num_ranges; r++)
         here[r] = (double)(corner >> r & 1);
 }
 
-/* Fills in points along all edges of the unit cube, axis after axis. Returns their number. */
+/* Fills in points along all edges of the unit cube, axis after axis. Returns the number of these
+ * points. */
 static size_t fill_edges(double *places, size_t num_ranges, size_t num_on_edge) {
     size_t count = 0;
     for (size_t axis = 0; axis < num_ranges; axis++)
@@ -209,12 +211,14 @@ static size_t fill_edges(double *places, size_t num_ranges, size_t num_on_edge) 
     return count;
 }
 
-/* Fills in the candidates: all corners, a quarter along the edges, and the rest inside. */
+/* Fills in the candidates: all corners, a quarter of the candidates along the edges, and the rest
+ * inside. */
 static ehd_status fill_candidates(variation *self, const char *path, ehd_error *error) {
     const size_t d = self->num_ranges, num_corners = (size_t)1 << d,
                  num_edges = d * num_corners / 2;
     const size_t num_on_edge = self->num_candidates / 4 / num_edges;
-    // allocated here, because gsl_qrng_alloc ends the process if there is no memory
+    // the state of the sequence is allocated here, because gsl_qrng_alloc ends the process if there
+    // is no memory
     const gsl_qrng_type *type = gsl_qrng_sobol;
     gsl_qrng sequence = {type, (unsigned)d, type->state_size((unsigned)d), NULL};
     sequence.state = malloc(sequence.state_size);

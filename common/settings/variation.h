@@ -34,10 +34,11 @@ typedef struct variation {
     bool grid;
     variation_range ranges[MAX_RANGES];
     size_t num_ranges;           // 0: no region
-    size_t num_candidates;       // in the region; each combination of columns has the same ones
-    double *candidates;          // [num_candidates, num_ranges] coordinates 0 to 1; NULL: none
+    size_t num_candidates;       // number of candidates in the region; each combination of columns
+                                 // has the same candidates
+    double *candidates;          // [num_candidates, num_ranges] coordinates 0 to 1; NULL: no region
     default_histories histories; // has no quantities if the group has no histories
-    size_t num_histories;        // trajectories of each combination of columns; 0: none
+    size_t num_histories;        // trajectories of each combination of columns; 0: no histories
     size_t num_points;           // at most MAX_POINTS; candidates or histories vary fastest
     csv_file points;             // owns the texts that come from a CSV file
 } variation;

@@ -206,7 +206,8 @@ static ehd_status fill_node(reader *self, tree_node *node, const yaml_event_t *e
     return read_children(self, node, depth + 1);
 }
 
-/* Reads one child of a map or list. `event` is the key of the child in a map, else its start. */
+/* Reads one child of a map or list. In a map `event` is the key of the child. In a list `event` is
+ * the start of the child. */
 static ehd_status read_child(reader *self, tree_node *parent, yaml_event_t *event, size_t depth) {
     tree_node *child = NULL;
     ehd_status status = add_node(self, &child, parent, event->start_mark);

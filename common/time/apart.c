@@ -161,8 +161,9 @@ static ehd_status attempt_contact(march_step *outcome, apart_march *self,
     return status;
 }
 
-/* Returns an approach beyond which bodies cannot touch. The approach of a contact is below its
- * central film, which for the lightest contact is less than twice the film by the film formula. */
+/* Returns an approach beyond which bodies cannot touch. The approach of a contact is less than its
+ * central film. The central film of the lightest contact is less than twice the film by the film
+ * formula. */
 static double farthest_touch(const apart_march *self, const contact_frame *frame) {
     const contact_frame under = moving_under(self, frame, 1);
     ehd_contact contact;

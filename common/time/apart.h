@@ -11,7 +11,7 @@
 typedef struct apart_moment {
     double apart;        // 1: the bodies are apart, else 0
     double inner;        // 1: the inner solver has states, perhaps old ones; else 0
-    double approach;     // in the reference frame; NaN: the bodies are apart, the load was given
+    double approach;     // in the reference frame; NaN: the bodies are apart, and the load is given
     double doubtful;     // path of the fluid until which the contact has film that formed at rest
     contact_frame frame; // frame of bodies that are apart, scaled by the reference load
 } apart_moment;

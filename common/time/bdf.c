@@ -15,10 +15,10 @@ const double bdf_most_growth = 1 + 1.4142135623730951;
  * error_is_that_of_the_next_power). */
 static const double MOST_ENLARGED = 46;
 
-/* A step of first order is predicted from the slope between the two known states, if the step is at
- * most this many times as long as the time between them. The iteration leaves an error of 1e-8 to
- * 1e-5 of a film in each state. In a longer step the slope may consist mostly of these errors, and
- * the prediction is the last state (test_bdf.c,
+/* A step of first order is predicted from the slope between the two known states. This constant is
+ * the largest ratio of such a step to the time between these states. The iteration leaves an error
+ * of 1e-8 to 1e-5 of a film in each state. In a longer step the slope may consist mostly of these
+ * errors, so the prediction is the last state (test_bdf.c,
  * a_step_much_longer_than_the_last_is_of_lower_order). */
 static const double MOST_EXTRAPOLATED = 100;
 

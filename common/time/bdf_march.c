@@ -9,9 +9,10 @@ const double march_error_growth = 1.5;
 
 /* Longest path of the fluid in a step, in half widths, for which the error of a step is the error
  * that a film accumulates on its way to the centre. With such short steps a film takes many steps
- * to reach the centre. In a longer step it arrives within the step, and only the local error
- * matters. After a slow ramp of the load by 8 % the error is 0.14 %, at a tolerance of 0.15 %;
- * without this distinction it was 1.7 % (test_full_march.c,
+ * to reach the centre, and accumulates the error of each step. In a longer step the film reaches
+ * the centre within this step, so that only the local error of this step matters. After a slow
+ * ramp of the load by 8 % the error is 0.14 %, at a tolerance of 0.15 %. Without the distinction
+ * between short and longer steps the error was 1.7 % (test_full_march.c,
  * a_slow_ramp_along_the_path_ends_at_rest). */
 static const double SHORT_PATH = 0.25;
 
@@ -112,7 +113,8 @@ static void forget_attempt(bdf_march *self) {
     self->promoted = false;
 }
 
-/* Filters the accepted states again if this step applies another fraction of the filter. */
+/* Filters the accepted states again if this step applies another fraction of the filter than was
+ * applied to them before. */
 static void filter_previous(bdf_march *self) {
     if (!bdf_march_along_path(self)) return;
     const contact_frame *last = self->frame[bdf_march_place(self, 1)];
@@ -128,7 +130,8 @@ static ehd_status attempt_from(march_step *outcome, bdf_march *self, const conta
     const bdf_ring *ring = &self->ring;
     ehd_contact contact;
 
-    // a passing state is left out: the step of the formula begins at the state before it
+    // A passing state (bdf_ring) is left out: the step of the formula begins at the state before
+    // the passing one.
     self->step = ring->passing ? frame->time - ring->time[bdf_march_place(self, 1)] : from_last;
     self->formula = bdf_ring_formula(ring, self->step);
     *self->frame[bdf_march_place(self, 0)] = *frame;
@@ -154,9 +157,10 @@ static ehd_status attempt_from(march_step *outcome, bdf_march *self, const conta
     return EHD_OK;
 }
 
-/* Attempts a step. If the last state is passing, the step begins at the state before it, or, if
- * this step does not converge, at the passing state. The errors that films accumulated up to the
- * passing state, along at most one grid step, are then neglected. */
+/* Attempts a step. If the last state is passing (bdf_ring), the step begins at the state before it.
+ * If this step does not converge, repeats the attempt with a step that begins at the passing state.
+ * The errors that films accumulated up to the passing state, along at most one grid step, are then
+ * neglected. */
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
                           double step, ehd_error *error) {
     bdf_march *self = solver;
@@ -323,7 +327,8 @@ static size_t saved_size(const void *solver) {
     return base_size(self) + self->front_size + ring_size(self) + self->behind_size;
 }
 
-/* Returns the number of saved states. A ring with a passing state has all previous states. */
+/* Returns the number of saved states: the previous states, and the passing state if there is one. A
+ * ring with a passing state always has BDF_PREVIOUS previous states. */
 static size_t num_saved(const bdf_ring *ring) {
     return ring->num_previous + (ring->passing ? 1 : 0);
 }

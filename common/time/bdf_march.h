@@ -45,7 +45,7 @@ typedef struct hand_over {
  * state that is being solved is at bdf_march_place(…, 0). */
 typedef struct bdf_model {
     bool passes;   // accepted states may be passing (bdf.h)
-    bool reverses; // the entrainment may be zero or reverse; else the inlet is always at X < 0
+    bool reverses; // the entrainment may be zero or reverse; false: the inlet is always at X < 0
     /* Solves the stationary state at the start. Sets the frame of this state and the whole outcome.
      * Discards previous states. */
     ehd_status (*start)(march_step *outcome, void *self, const contact_frame *frame,

@@ -94,7 +94,8 @@ frame_rates frame_rates_between(const contact_frame *now, const contact_frame *b
 typedef struct closing_gap {
     double begin; // |X| behind which the gap closes, at least 1; INFINITY: the gap does not close
     double load;  // load of the second zone, relative to the whole load
-    // estimated load that is missing because the pressure is zero at `end`, over the whole load
+    // estimate of the load that is missing because the pressure is zero at `end`, relative to the
+    // whole load
     double beyond;
 } closing_gap;
 

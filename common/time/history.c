@@ -235,7 +235,8 @@ static double table_value(const history *self, double time) {
     return self->spline ? spline_at(self->spline, time) : line_value(self, time);
 }
 
-/* Lowers the minimum to the extrema of the spline in interval i, where its slope is a parabola. */
+/* Lowers the minimum to the extrema of the spline within interval i, where the slope of the spline
+ * is a parabola. */
 static void lower_to_turns(minimum_value *minimum, const history *self, size_t i, double end_time) {
     const double left = self->time[i], right = self->time[i + 1];
     const double slope = spline_slope(self->spline, left);
@@ -276,7 +277,8 @@ static double table_integral(const history *self, double time) {
     return beyond + integral_of_rows(self, within) - integral_of_rows(self, 0);
 }
 
-/* Returns the time of the next row, where linear interpolation has a kink; a spline has none. */
+/* Returns the time of the next row of a table with linear interpolation, which has a kink at each
+ * row. A spline has no kinks, and the result is INFINITY. */
 static double table_next_kink(const history *self, double time, bool *jump) {
     *jump = false;
     if (self->spline || time >= self->time[self->count - 1]) return INFINITY;

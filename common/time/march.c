@@ -51,9 +51,10 @@ static const double SAFETY = 0.85;
  * small for test_march.c, steps_stand_above_noise. */
 static const double NOISE_KEPT = 0.9;
 
-/* Numbers of attempts after which a march is checked for progress (WATCHED_ATTEMPTS) and for
- * standstill (STILL_ATTEMPTS). With 30 and 3 attempts a march ends too early, with STILL_ATTEMPTS =
- * 10,000 too late (test_march.c, step_size_underflows, crawling_ends). */
+/* WATCHED_ATTEMPTS: number of attempts after which the progress of a march is checked. If this
+ * number is 30, a march ends too early. STILL_ATTEMPTS: number of attempts after which a march is
+ * checked for standstill. If this number is 3, a march ends too early; if it is 10,000, a march
+ * ends too late (test_march.c, step_size_underflows, crawling_ends). */
 enum { WATCHED_ATTEMPTS = 3000, STILL_ATTEMPTS = 100 };
 
 /* MIN_STEP: shortest step, divided by the first step. A value of 1e-3 is too large for
@@ -216,8 +217,8 @@ typedef struct next_stop {
     double time;
     bool is_kink; // the histories have an event there
     bool is_jump; // the histories jump there
-    // held, last: time of the first jump and of the last event that belong to this stop; equal to
-    // `time` if there is none
+    // held: time of the first jump that belongs to this stop; equal to `time` if there is no jump.
+    // last: time of the last event that belongs to this stop; equal to `time` if there is no event.
     double held, last;
 } next_stop;
 
@@ -242,7 +243,8 @@ static double step_of_surface(const march *self) {
     return step;
 }
 
-/* Adds to a stop the events of the histories, from `kink` on, that count as the same time. */
+/* Adds to a stop the events of the histories, from `kink` on, that count as the same time as the
+ * stop. */
 static void join_events(next_stop *stop, const march *self, double kink, bool jump,
                         double distance) {
     while (kink <= stop->time + distance) {
@@ -256,18 +258,21 @@ static void join_events(next_stop *stop, const march *self, double kink, bool ju
 
 /* Finds the end of the next attempt. The attempt ends one step further, or earlier at an event of
  * the histories, a multiple of the fixed step or the end of the march. If several of these times
- * are so close that they count as one, the end of the march is taken, or else the multiple. */
+ * are so close that they count as one, the end of the march has priority over the multiple, and the
+ * multiple has priority over the event. */
 static next_stop find_next_stop(const march *self) {
     const march_state *state = &self->state;
     const double time = state->time, step = step_of_surface(self);
     const double distance = least_distance(time, step);
     const double fixed = self->settings.fixed_step, end = self->settings.end_time;
-    // Events up to `since` counted as the end of the last step. If the step has become shorter, an
-    // event that counted may now be farther ahead than `distance`; it is then an event again.
+    // Events up to `since` were treated as the end of the last step. If the step has become
+    // shorter, the last of these events may now lie farther ahead than `distance`. It is then an
+    // event of the next step again.
     const double since = fmax(time, fmin(state->last_event, time + distance));
     bool jump;
     const double kink = histories_next_kink(self->histories, since, &jump);
-    // multiples, not sums of steps, so that times do not drift
+    // A multiple of the fixed step, not a sum of steps: times do not drift, and after a shortened
+    // step the march returns to the multiples.
     const double multiple =
         isnan(fixed) ? INFINITY : (floor((time + distance) / fixed) + 1) * fixed;
     const double event = fmin(fmin(kink, multiple), end);

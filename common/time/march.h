@@ -22,8 +22,9 @@ typedef struct march_step {
     contact_frame frame;
     double step; // 0 at the start
     bdf_formula formula;
-    // Largest local error of rho H, relative to the central film; in short steps with transport
-    // along the path, the error that a film accumulates on its way to the centre. 0: no estimate.
+    // Largest local error of rho H, relative to the central film. In short steps with transport
+    // along the path, it is the error that a film accumulates on its way to the centre. 0: there is
+    // no estimate.
     double local_error;
     contact_scalars scalars; // in the current frame
     // Estimated relative changes of central and minimum film in the limit of small time steps and,
@@ -115,11 +116,13 @@ typedef struct load_forecast {
 /* State of a march. A march can be continued from this struct and the solver's states. All members
  * are doubles, so that the struct can be saved. */
 typedef struct march_state {
-    double time, step;                    // reached time, and length of the next attempt
-    double rejected_step, rejected_error; // step and error of the last rejected attempt; 0: none
-    double noise;                         // recently observed noise of the solver's local errors
-    double at_kink;                       // 1 if the histories have a kink at `time`, else 0
-    double last_event;                    // last event that is treated as `time`, or else `time`
+    double time, step; // reached time, and length of the next attempt
+    // Step and error of the last rejected attempt; step 0: none since the last accepted step, or it
+    // did not converge.
+    double rejected_step, rejected_error;
+    double noise;      // recently observed noise of the solver's local errors
+    double at_kink;    // 1 if the histories have a kink at `time`, else 0
+    double last_event; // last event that is treated as `time`; `time` if there is no such event
     load_forecast forecast;
     double num_steps, num_rejected,
         num_iterations;     // whole numbers

@@ -340,7 +340,8 @@ static void set_position(ehd_surface *self, double of_length, const ehd_grid *gr
             given->speed > 0 ? first_x(grid) - self->front : last_x(grid) - self->rear;
 }
 
-/* Checks that the speed is the speed of one of the two surfaces, if the scene gives both. */
+/* Checks that `speed`, the speed of the heights, is the speed of one of the two surfaces. Without a
+ * slide-roll ratio the speeds of the surfaces are not known, and any speed is accepted. */
 static ehd_status check_slide_roll(double speed, double slide_roll, ehd_error *error) {
     const double faster = 1 + slide_roll / 2, slower = 1 - slide_roll / 2;
 

@@ -59,8 +59,9 @@ static double square(const crowd *self, size_t i, size_t j) {
     return sum;
 }
 
-/* Fills a column with the coordinates, from 0 to 1, of all trajectories for one setting: values
- * relative to the range of the setting, logarithmic if all are positive; 0 if not given. */
+/* Fills a column with the coordinates, from 0 to 1, of all trajectories for one setting. The
+ * coordinates are the values relative to the range of the setting. If all values are positive,
+ * their logarithms are used. The coordinate is 0 if the setting is not given. */
 static void place_column(double *column, size_t width, const setting *row,
                          const training_set *set) {
     double low = INFINITY, high = -INFINITY;
@@ -108,7 +109,8 @@ static void crowd_free(crowd *self) {
 
 // ---- scenes in the middle
 
-/* Makes the scene half-way between two scenes. Returns false if no valid contact lies there. */
+/* Makes the scene half-way between two scenes. Returns false if there is no such scene, or if its
+ * contact is not valid. */
 static bool find_middle(scene *middle, const scene *left, const scene *right) {
     ehd_contact contact;
 
@@ -137,7 +139,8 @@ static bool are_neighbours(const crowd *self, size_t i, size_t j) {
     return true;
 }
 
-/* Checks whether the plan has a scene already: both diagonals of a grid cell have one middle. */
+/* Checks whether the plan already has a scene. This is possible because both diagonals of a grid
+ * cell have the same middle. */
 static bool is_known(const plan *between, const plan_point *added) {
     for (size_t i = 0; i < between->num_points; i++) {
         const plan_point *known = &between->points[i];

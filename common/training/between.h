@@ -31,10 +31,10 @@ ehd_status between_neighbours(
     const char *name,            // name of the plan, for errors
     ehd_error *error);
 
-/* Chooses points far from one another. Begins with the first point, then always adds the point
- * farthest from the chosen points (the first of equally far points). Points of different lubricants
- * or groups are infinitely far apart, so each lubricant of each group gets a first point before any
- * gets a second, even if this takes more than `count` points. Errors: EHD_MEMORY. */
+/* Chooses points far apart. Begins with the first point. Then always adds the point farthest from
+ * the chosen points, or the first of equally far points. Points of different lubricants or groups
+ * are infinitely far apart. So each lubricant of each group gets a first point before any gets a
+ * second, even if this takes more than `count` points. Errors: EHD_MEMORY. */
 ehd_status between_spread(
     // output:
     bool *chosen, // [num_points]
@@ -43,7 +43,8 @@ ehd_status between_spread(
 
 /* Chooses `count` more points, evenly along the list that tree_walk makes of the set's tree. Each
  * part of the region gets chosen points in proportion to its points, so the chosen points are a
- * fair sample. The points of between_spread are mostly at the edge. Errors: EHD_MEMORY. */
+ * fair sample. The points of between_spread are no fair sample: they are mostly at the edge.
+ * Errors: EHD_MEMORY. */
 ehd_status between_sweep(
     // in and out:
     bool *chosen, // [num_points]

@@ -91,7 +91,8 @@ static size_t take_ready(pool *self) {
     return lowest;
 }
 
-/* Takes the first point in the order whose parent is finished, or NO_PARENT. */
+/* Takes the first point in the order whose parent is finished. Returns NO_PARENT if there is no
+ * such point. */
 static size_t free_point(pool *self) {
     while (self->next < self->work->num_points && !is_root(self, self->next))
         self->next++;
@@ -188,7 +189,8 @@ static void *run_worker(void *argument) {
     return NULL;
 }
 
-/* Starts up to num_wanted threads and returns their number. Fewer threads also do all the work. */
+/* Starts up to num_wanted threads and returns their number. If fewer threads start, they do all of
+ * the work. */
 static size_t start_threads(pthread_t *threads, size_t num_wanted, pool *self) {
     size_t started = 0;
 

@@ -172,7 +172,8 @@ static ehd_contact *contact_at(const training_set *set, size_t i) {
                                : &set->trajectories[i - set->num_points].contact;
 }
 
-/* Returns the grid extent that contact i needs; for a trajectory, at all times of its histories. */
+/* Returns the grid extent that contact i needs. For a trajectory, this is the extent that all times
+ * of its histories need. */
 static grid_extent needed_at(const training_set *set, size_t i) {
     return i < set->num_points ? grid_extent_needed(&set->contacts[i])
                                : set->trajectories[i - set->num_points].needed;
@@ -271,10 +272,11 @@ static ehd_status make_tree(training_set *set, const size_t *branch, const char 
 
 // ---- parts
 
-/* Returns the number of branches of a plan: about the square root of the number of points, so that
- * both cold starts and long chains of neighbours are few, and a multiple of four, for four equal
- * shards. The plan of stationary-line takes 597 Newton iterations with this number of branches, 915
- * with one branch, and 748 with twice as many branches. */
+/* Returns the number of branches of a plan. This number is about the square root of the number of
+ * points, so that both cold starts and long chains of neighbours are few. The number is a multiple
+ * of four, so that four shards have equal numbers of branches. The plan of stationary-line takes
+ * 597 Newton iterations with this number of branches, 915 with one branch, and 748 with twice as
+ * many branches. */
 static size_t count_branches(size_t num_points) {
     size_t count = 4;
 

@@ -42,14 +42,15 @@ typedef struct training_set {
 } training_set;
 
 /* Makes the contacts of a plan, and a tree that connects neighbouring points. The solution of each
- * point starts from the solution of its parent. Neighbours have the same group, lubricant and
- * branch, and are near in ln M, in the Moes number L of the Hertz pressure, and in the thinning.
+ * point starts from the solution of its parent in the tree. Neighbours are near in ln M, in the
+ * Moes number L that belongs to the Hertz pressure, and in the thinning. Neighbours have the same
+ * group, lubricant and branch.
  *
  * A branch is a run of successive points of the plan. Only the plan determines the branches. A
- * shard consists of whole branches, so it needs no solution of another shard, and its points have
- * the same parents as without shards. Shards that are joined in their order give the order of the
- * plan. The shards get the trajectories in turn, one at a time. Shards without points come first,
- * so that no shard is empty.
+ * shard consists of whole branches. Therefore a shard needs no solution of another shard, and each
+ * of its points has the same parent as without shards. If the shards are joined in their order, the
+ * points are in the order of the plan. The shards get the trajectories in turn, one at a time.
+ * Shards without points come first, so that no shard is empty.
  *
  * Returns EHD_DATA if a point is not a contact, if the grids differ, or if no point is left.
  * Returns EHD_USAGE if there are more shards than branches and trajectories. Other errors:

@@ -27,7 +27,8 @@ double tree_distance(const tree_point *left, const tree_point *right,
     return distance;
 }
 
-/* Returns the point nearest to its tree or, if no tree can grow, the easiest root. */
+/* Returns the point to add next: the point nearest to its tree or, if no tree can grow, the root
+ * with the least effort of a cold start. */
 static size_t next_point(const tree_point *points, size_t num_points, const bool *added,
                          const double *nearest) {
     size_t best = NO_PARENT;

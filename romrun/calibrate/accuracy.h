@@ -35,7 +35,8 @@ ehd_status accuracy_choose(
  * 1e-8. */
 double accuracy_tolerance(double accuracy);
 
-/* Returns the limit of both films' error estimates: the accuracy, or 1 % if it is not given (0). */
+/* Returns the limit of the error estimates of both films: the accuracy, or 1 % if `accuracy` is 0,
+ * which means that it is not given. */
 double accuracy_limit(double accuracy);
 
 /* Sets EHD_UNTRUSTED if the error estimate of the central or minimum film exceeds
@@ -46,7 +47,8 @@ void accuracy_judge(run_result *result, double accuracy);
  * times the accuracy, in Hertz pressures. The caller then solves the contact again with a more
  * accurate model size. */
 void accuracy_judge_peak(run_result *result, double accuracy,
-                         double peak); // result of online_indicate_peak; NaN: no effect
+                         double peak); // result of online_indicate_peak; NaN: the estimate is not
+                                       // known and changes nothing
 
 /* Limits of --accuracy-of, indexed by indicated_quantity; 0: no limit. */
 typedef struct accuracy_limits {

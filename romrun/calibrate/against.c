@@ -175,12 +175,14 @@ void against_print(const run_result *result, const stored_result *stored, const 
  * that lie in the time span of the second run. If the times differ, a cubic spline interpolates the
  * second run. */
 typedef struct time_deviation {
-    double largest;     // relative
-    double at;          // time T of the largest deviation
-    double sum, length; // integral of |relative deviation| over T; integrated span of T
+    double largest; // relative
+    double at;      // time T of the largest deviation
+    // sum: integral of |relative deviation| over T; length: length of the integrated intervals of T
+    double sum, length;
 } time_deviation;
 
-/* Returns a value of the second run. `near`: index of the spline interval, in and out. */
+/* Returns a value of the second run at a time. `near`: index of the spline interval, which is input
+ * and output. */
 static double value_at(double time, const double *other_time, const double *other_values,
                        const spline *between, size_t *near) {
     *near = spline_interval(between, time, *near);
@@ -190,7 +192,8 @@ static double value_at(double time, const double *other_time, const double *othe
     return spline_value(between, time, *near);
 }
 
-/* Adds the deviations between sections of both runs. `num_other` is at least 3 (time points). */
+/* Adds the deviations between a section of the first run and a section of the second run. The
+ * second section has at least three time points. */
 static ehd_status add_deviations(time_deviation *deviation, const double *time,
                                  const double *values, size_t num_times, const double *other_time,
                                  const double *other_values, size_t num_other, ehd_error *error) {

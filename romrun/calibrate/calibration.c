@@ -54,13 +54,13 @@ typedef struct samples {
     double *deviation[NUM_TRADE_QUANTITIES]; // [count]
     double *bound, *bound_minimum;           // [count] bounds of the central and minimum film
     double *indicated;                       // [count + failures] the larger estimate of both films
-    double *effectivity;                // [count] smaller ratio of estimate to error of both films
+    double *effectivity;                // [count] estimate/error, the smaller ratio of both films
     double *off[NUM_INDICATED];         // [count] deviations of the other quantities
     double *other_bound[NUM_INDICATED]; // [count]
     double *friction_off, *friction_bound; // [num_frictions]
     size_t num_frictions;                  // 0 if the model has no traction nodes
     double *seconds;                       // [count * REPEATS]
-    double iterations, max_iterations;     // sum and largest number over the scenes
+    double iterations, max_iterations;     // sum over all scenes; largest number of one scene
     double largest_residual;
     double *pressure, *film; // [num_nodes]
     double *full_film;       // [num_nodes]
@@ -356,8 +356,9 @@ static ehd_status repeat_step(march_step *outcome, const march_solver *solver,
     return EHD_OK;
 }
 
-/* Solves the steps of a recorded trajectory with the reduced model. *lost: a step failed or is not
- * trusted; the bounds of the earlier steps are stored in this case too. */
+/* Solves the steps of a recorded trajectory with the reduced model. Sets *lost to true if a step
+ * did not converge or is not trusted. The bounds of the earlier steps are stored in this case
+ * too. */
 static ehd_status repeat(bool *lost, repetition *sum, step_samples *steps,
                          const online_model *model, const recording *wanted, ehd_error *error) {
     online_transient *in_time = NULL;

@@ -330,7 +330,8 @@ static ehd_status read_batch(size_t *count, batch *self, ehd_error *error) {
     return status;
 }
 
-/* Writes the solved rows of a batch, only up to the first unsolved row if interrupted. */
+/* Writes the solved rows of a batch. If the batch was interrupted, writes only the rows before the
+ * first unsolved row. */
 static ehd_status write_batch(batch *self, size_t count, cases_summary *summary, ehd_error *error) {
     size_t num_solved = 0;
 

@@ -12,7 +12,8 @@ typedef struct cases_task {
     const program *caller; // arguments[0] is the scene
     const char *model;     // path of the model
     part_sizes sizes;
-    part_sizes most_accurate; // for cases that `sizes` does not solve well; 0 modes: no second try
+    part_sizes most_accurate; // sizes for the cases that are not solved well with `sizes`; if the
+                              // number of modes is 0, such cases are not solved again
     double accuracy;          // value of --accuracy; 0: --accuracy is not given
     const accuracy_limits *limits;
     size_t num_jobs; // number of threads

@@ -9,14 +9,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Data saved in addition to the states. All members are doubles, to be saved as an array. */
+/* Data that are saved in addition to the states. All members are doubles, so that the struct can be
+ * saved as an array of numbers. */
 typedef struct standing {
     double full;        // 1 while the full model takes the steps, else 0
     double full_states; // 1 if the last accepted states are in the full model, else 0
-    // full steps between two tries of the reduced model, and full steps until the next try
+    // pause: number of full steps between two tries of the reduced model; left: number of full
+    // steps until the next try
     double pause, left;
     double held; // number of reduced steps since the last return to the reduced model
-    // Newton iterations: of accepted steps, of attempts not accepted, of the undecided attempt
+    // numbers of Newton iterations. useful: of accepted steps; wasted: of attempts that were not
+    // accepted; open: of the attempt that is neither accepted nor rejected yet
     double useful, wasted, open;
     double full_steps, since, seconds_full, seconds_reduced; // members of time_run_share
 } standing;
@@ -29,7 +32,7 @@ struct fallback_march {
     // limit of the error estimates of both films in a reduced step, and of the deviation of the
     // reduced films from the full model's films (function `deviation`)
     double limit;
-    const char *distrust; // why the full model takes all steps; NULL: only single steps
+    const char *distrust; // why the full model takes all steps; NULL: it takes only single steps
     parts_march *reduced;
     full_march *full;
     march_solver of_reduced, of_full;
@@ -56,9 +59,10 @@ fallback_march *fallback_march_free(fallback_march *self) {
 ehd_status fallback_march_create(fallback_march **created, parts_march *reduced, double start_film,
                                  double accuracy, const char *distrust, ehd_error *error) {
     // Limit of the estimated film errors, as a fraction of the accuracy. Measured with an accuracy
-    // of 1 % and an untrained variation of the load by +-30 %: with 0.1 the error of the minimum
-    // film is 0.57 %, and the full model takes 348 of 640 steps. With 1 the error is 25 %, and the
-    // full model takes 330 steps (README.md, Fallback to the full model).
+    // of 1 % and a load that varies by +-30 %, which was not trained. With a fraction of 0.1 the
+    // error of the minimum film is 0.57 %, and the full model takes 348 of 640 steps. With a
+    // fraction of 1 the error is 25 %, and the full model takes 330 steps (README.md, Fallback to
+    // the full model).
     const double part = 0.1;
     const full_settings settings = full_default_settings();
     const ehd_contact *reference = reduced_march_steps(parts_march_part(reduced, 0))->reference;
@@ -156,14 +160,15 @@ static void judge_indicated(march_step *outcome, const fallback_march *self) {
 
 /* Checks whether attempts that were not accepted have cost more iterations than the accepted steps.
  * As long as this is true, the full model takes all steps. A march therefore needs at most twice
- * the iterations of its steps, plus those of one attempt. */
+ * the iterations of its steps, plus the iterations of one attempt. */
 static bool is_budget_spent(const fallback_march *self) {
     return self->now.wasted > self->now.useful;
 }
 
-/* Tries to return to the reduced model: it solves the step that the full model has just solved. If
- * this step is trusted and the films of both models agree within the limit, film features outside
- * of the reduced basis have left the contact, and the reduced model takes over. */
+/* Tries to return to the reduced model. The reduced model gets the projected states of the full
+ * model and solves the step that the full model has just solved. If this step is trusted, and its
+ * films agree with the full model's films within the limit, the reduced model takes the next steps.
+ * Film features outside of the reduced basis have then left the contact. */
 static ehd_status try_to_return(fallback_march *self, const march_step *solved,
                                 const contact_frame *frame, double step, ehd_error *error) {
     const contact_frame now = load_frame(self, 0), before = load_frame(self, 1);
@@ -272,8 +277,9 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
 }
 
 /* Sets the pause: the number of full steps before the reduced model is tried again. A failed try
- * doubles the pause. If a try succeeds but the reduced model then takes fewer steps than the pause
- * was long, the pause is doubled too; otherwise it is reset to 1. Failures thus cost little. */
+ * doubles the pause. After a successful try the reduced model takes steps. If these steps are fewer
+ * than the steps of the pause, the pause is doubled too; otherwise the pause is reset to 1. Failed
+ * tries thus cost little. */
 static void set_pause(fallback_march *self) {
     standing *now = &self->now;
 
@@ -329,7 +335,7 @@ static ehd_status touching(double *approach, double *load, void *solver, const c
     return self->of_full.touching(approach, load, self->of_full.self, frame, error);
 }
 
-/* Returns the number of saved doubles: struct standing, the reason, the states of both models. A
+/* Returns the number of saved doubles: struct standing, the reason and the states of both models. A
  * model that does not hold the last states saves zeros. */
 static size_t saved_size(const void *solver) {
     const fallback_march *self = solver;

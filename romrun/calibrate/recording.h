@@ -35,7 +35,8 @@ void recording_free(recording *self);
  * histories. */
 ehd_status recordings_make(
     // output:
-    recording *recordings, // [set->num_trajectories], zero before; free each: recording_free
+    recording *recordings, // [set->num_trajectories], must be zero before the call; free each
+                           // element with recording_free
     // input:
     const program *caller, const training_set *set, size_t num_workers, ehd_error *error);
 

@@ -42,7 +42,8 @@ extern const double time_margin;
 film_factors time_factors_fit(
     // input:
     const step_samples *steps,
-    const bool *lost, // [trajectories] true: a step failed or is not trusted; not in the mean
+    const bool *lost, // [number of trajectories] true: a step of the trajectory did not converge
+                      // or is not trusted, and the mean leaves out the trajectory
     // work:
     double *errors); // [count]
 

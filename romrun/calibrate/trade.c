@@ -80,14 +80,16 @@ double trade_indicator_factor(const double *deviations, const double *bounds, si
     return trade_margin * largest;
 }
 
-/* Ratios of deviation to bound of the scenes. An estimate's shape must lie above all ratios. */
+/* Ratios of deviation to bound of the scenes. The shape of an estimate must lie above all
+ * ratios. */
 typedef struct ratios {
     double *bound, *ratio; // [count]
     size_t count;
     double largest;
 } ratios;
 
-/* Computes the ratios of the scenes with a positive finite bound. Returns false without memory. */
+/* Computes the ratios of the scenes with a positive finite bound. Returns false if there is no
+ * memory. */
 static bool ratios_init(ratios *self, const double *deviations, const double *bounds,
                         size_t count) {
     self->bound = calloc(count + 1, sizeof *self->bound);
@@ -109,7 +111,8 @@ static void ratios_free(ratios *self) {
     free(self->ratio);
 }
 
-/* Returns the sum of ln(estimate) over the scenes; the estimates' factor is the largest ratio. */
+/* Returns the sum of ln(estimate) over the scenes. The factor of the estimates is the largest
+ * ratio. */
 static double indicated_sum(const ratios *self, indicator_shape shape) {
     double sum = 0;
 
@@ -218,7 +221,8 @@ static bool may_fail(const trade_position *position, bool in_time) {
     return in_time && position->factor_in_time > 0;
 }
 
-/* Checks whether a size may be chosen for a deviation, whatever the failures of other sizes. */
+/* Checks whether a model size may be chosen for a deviation, regardless of the failures of other
+ * sizes. */
 static bool is_candidate(const trade_position *position, double deviation, bool in_time) {
     const trade_price price = trade_price_of(position, in_time);
 
@@ -298,9 +302,10 @@ size_t trade_cheapest(const trade_table *table, double deviation, bool in_time) 
     return best < table->num_positions ? best : smoothest;
 }
 
-/* Returns the measure that is smallest for the most accurate model size: the deviation of
- * trade_price_of or, for transient contacts with error estimates, the geometric mean of their
- * quantiles. A trajectory with a step that fails or is not trusted has the estimate 1. */
+/* Returns the measure that is smallest for the most accurate model size. It is the deviation of
+ * trade_price_of. For transient contacts with error estimates, it is the geometric mean of the
+ * quantiles of the estimates. A trajectory with a step that fails or is not trusted has the
+ * estimate 1. */
 static double inaccuracy(const trade_position *position, bool in_time) {
     double sum = 0;
 

@@ -7,7 +7,8 @@
 
 #include <math.h>
 
-/* Takes num_steps Newton steps of the full model; 0: evaluates only the residual. */
+/* Takes num_steps Newton steps of the full model. If num_steps is 0, evaluates only the
+ * residual. */
 static ehd_status newton_steps(full_info *info, full_state *state, const ehd_contact *contact,
                                size_t num_steps, ehd_error *error) {
     full_settings settings = full_default_settings();

@@ -7,10 +7,11 @@
 #include "romrun/online/online.h"
 
 typedef struct verification {
-    double residual;         // largest scaled residual of rows before the exit and load balance
+    double residual;         // largest scaled residual of all rows before the exit and of the load
+                             // balance
     double tolerance;        // tolerance of fullrun
     double residual_seconds; // time for the residual, O(n log n)
-    // Relative change of the central film by one Newton step of the full model at a fixed exit. To
+    // Relative change of the central film in one Newton step of the full model at a fixed exit. To
     // first order this change is minus the relative error of the film. NaN: no step was possible.
     double film_change;
     double step_seconds;

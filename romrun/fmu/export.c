@@ -270,7 +270,7 @@ static void keep_failure(void *to, fmu_outcome of, const char *text) {
     if (of != FMU_DONE) ehd_fail(to, EHD_INTERNAL, "fmu: %s", text);
 }
 
-/* Takes one step with the FMU of the written files, as an importer does. */
+/* Takes one step as an importer does, with an FMU that reads the files just written. */
 static ehd_status try_out(const export_job *job, ehd_error *error) {
     ehd_no_memory(error, "fmu");
     errno = 0;

@@ -31,7 +31,7 @@ typedef struct moment {
     double time, stop;
     double values[FMU_NUM_VARIABLES];
     bool solved;      // during initialization: the outputs belong to the present inputs
-    double pending;   // s, length of the step that is not accepted yet; 0: no such step
+    double pending;   // s, length of the step that is not accepted yet; 0: there is no such step
     double last;      // s, length of the last internal step; 0: no step was taken yet
     double noise;     // magnitude of recent local errors that were accepted as noise
     bool noisy;       // the noise has been logged
@@ -49,7 +49,7 @@ struct fmu_instance {
     char *resources; // folder of the resources
     ehdrom_model *model;
     ehdrom_contact *contact;
-    ehdrom_contact *stationary; // for the stationary outputs; NULL: none was read yet
+    ehdrom_contact *stationary; // for the stationary outputs; NULL: no such output was read yet
     bool has_stationary;        // the stationary outputs are up to date
     bool slid;                  // the traction belongs to the present outputs
     void *before;               // saved state before a step
@@ -472,7 +472,8 @@ enum { MOST_HALVINGS = 20 };
 /* A communication step is discarded if it hardly proceeds. This is checked after every
  * WATCHED_ATTEMPTS attempts. At the rate of these attempts, the rest of the step must not take more
  * than MOST_ATTEMPTS attempts. Without this check one step of fmu.bats, "a step that cannot be done
- * changes nothing", took over 17 minutes: tiny steps may converge at an impossible load. */
+ * changes nothing", took more than 17 minutes. In this test the given load changes to a value that
+ * no contact can have, but steps of a millionth may still converge. */
 enum { WATCHED_ATTEMPTS = 100, MOST_ATTEMPTS = 100000 };
 
 /* Largest number of halvings of a step whose local error is too large. After these halvings the
@@ -496,7 +497,8 @@ typedef struct stretch {
     double mark; // value of `done` when the present WATCHED_ATTEMPTS attempts began
     // about the attempts after `done`:
     int halvings;
-    double error; // local error of the last attempt, twice as long; 0: none or not converged
+    double error; // local error of the last attempt, which was twice as long; 0: there was no
+                  // attempt, or it did not converge
     int idle;     // halvings in a row that hardly reduced the error
 } stretch;
 
@@ -538,6 +540,7 @@ static void take_part(moment *now, stretch *of, const conditions *at) {
     of->steps++;
     of->halvings = of->idle = 0;
     of->error = 0;
+    // doubles the next part if the rest is a multiple of the doubled part
     if (fmod(of->done, 2 * of->part) == 0) of->part *= 2;
 }
 
@@ -651,7 +654,8 @@ double fmu_time(const fmu_instance *self) {
 /* Relative change of the inputs for central differences (README.md, Directional derivatives). */
 static const double relative_change = 1e-3;
 
-/* Returns the scale of an input, to which its change in a central difference is proportional. */
+/* Returns the scale of an input. In a central difference the change of the input is proportional to
+ * this scale. */
 static double scale_of(const fmu_instance *self, unsigned reference) {
     const double *values = self->now.values;
 
@@ -708,7 +712,8 @@ static bool outputs_at(fmu_instance *self, double outputs[FMU_NUM_VARIABLES],
            (!stationary || respond(self, &at, result.load, outputs));
 }
 
-/* Computes the derivatives that are NaN by central differences of repetitions (`repeat`). */
+/* Computes the derivatives that are still NaN. Repeats the last step (or the start) with other
+ * inputs (`repeat`) and takes central differences of the outputs. */
 static bool by_differences(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                            const unsigned knowns[], size_t num_knowns, const double direction[],
                            double derivative[]) {
@@ -734,7 +739,8 @@ static bool by_differences(fmu_instance *self, const unsigned unknowns[], size_t
     return true;
 }
 
-/* Computes derivatives by the library's tangent; NaN: no tangent, or the library fails. */
+/* Computes the derivatives by the library's tangent. A derivative is NaN if its output has no
+ * tangent, or if the library fails. */
 static void by_tangent(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                        const unsigned knowns[], size_t num_knowns, const double direction[],
                        double derivative[]) {
@@ -810,7 +816,8 @@ size_t fmu_state_size(const void *state) {
     return state ? ((const fmu_state *)state)->size : 0;
 }
 
-/* Allocates `*state` for `size` bytes, unless it has this size. Returns NULL without memory. */
+/* Allocates `*state` for `size` bytes, unless it has this size. Returns NULL if there is no
+ * memory. */
 static fmu_state *make_state(fmu_instance *self, void **state, size_t size) {
     if (fmu_state_size(*state) != size || !*state) {
         fmu_state *made = realloc(*state, sizeof *made + size);
@@ -869,7 +876,7 @@ bool fmu_state_set(fmu_instance *self, void *state) {
     memcpy(&self->now, saved->bytes, sizeof self->now);
     if (has_contact(&self->now)) return restore(self, saved);
     self->has_stationary = self->slid = false;
-    self->now.solved = false; // the contact may be at another time
+    self->now.solved = false; // the contact may be at another time and must be solved again
     return true;
 }
 

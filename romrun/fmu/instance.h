@@ -22,14 +22,15 @@ typedef enum fmu_outcome {
 /* Log categories of these outcomes. */
 extern const char *const fmu_categories[];
 
-/* Receives the reason of a failed or discarded call or, with FMU_DONE, a remark for the user. */
+/* Receives the reason why a call failed or was discarded. With FMU_DONE, receives a remark for the
+ * user. */
 typedef void (*fmu_log)(void *to, fmu_outcome of, const char *text);
 
 typedef struct fmu_instance fmu_instance;
 
 /* Creates an instance; free with fmu_free. `resources`: path of the folder of the resources.
- * Returns NULL, with a message in the log, if there is no memory, if the token is another one, or
- * if files differ from the exported files. */
+ * Returns NULL, with a message in the log, if there is no memory, if `token` differs from the token
+ * of the FMU, or if files differ from the exported files. */
 fmu_instance *fmu_create(const char *token, const char *resources, fmu_log log, void *log_to);
 /* Frees an instance. Accepts NULL. */
 void fmu_free(fmu_instance *self);
@@ -70,11 +71,12 @@ bool fmu_derivative(fmu_instance *self, const unsigned unknowns[], size_t num_un
  * block if *state is NULL, otherwise overwrites it. Free the block with free(). */
 bool fmu_state_get(fmu_instance *self, void **state);
 bool fmu_state_set(fmu_instance *self, void *state);
-/* Returns the number of the state's bytes; 0: no state. */
+/* Returns the number of bytes of the state, or 0 if `state` is NULL. */
 size_t fmu_state_size(const void *state);
 /* Copies the state's bytes to `bytes`, which holds `size` bytes. */
 bool fmu_state_write(fmu_instance *self, const void *state, void *bytes, size_t size);
-/* Makes and checks a state from bytes of fmu_state_write. *state: as for fmu_state_get. */
+/* Checks bytes that fmu_state_write has written, and makes a state from these bytes. *state: as for
+ * fmu_state_get. */
 bool fmu_state_read(fmu_instance *self, void **state, const void *bytes, size_t size);
 
 #endif

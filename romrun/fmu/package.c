@@ -16,7 +16,8 @@ static int by_name(const void *a, const void *b) {
     return strcmp(((const package_entry *)a)->name, ((const package_entry *)b)->name);
 }
 
-/* Returns the file information for a time, in UTC so that no time zone changes the zip. */
+/* Returns the file information for the time `when`. The time is written in UTC, so that the zip
+ * does not depend on the time zone of the machine. */
 static zip_fileinfo info_at(time_t when) {
     zip_fileinfo info = {0};
     typedef __typeof__(info.tmz_date.tm_sec) number; // int from minizip 1.3 on, unsigned before

@@ -72,9 +72,10 @@ typedef struct fmu_variable {
     fmu_type type;
     const char *unit, *unit_of_point; // units for line and point contacts; NULL: no unit
     fmu_when when;                    // which FMUs have the variable
-    const char *key;                  // setting with the start value; NULL: no setting
-    size_t offset;                    // offset of an output in ehdrom_result; 0: no member
-    size_t derivative;                // output's offset in ehdrom_derivatives; 0: no derivative
+    const char *key;                  // setting that gives the start value; NULL: no such setting
+    size_t offset;                    // offset of an output in ehdrom_result; 0: not in this struct
+    size_t derivative;                // offset of the output's derivative in ehdrom_derivatives; 0:
+                                      // there is no such derivative
     const char *help;
 } fmu_variable;
 
@@ -88,7 +89,7 @@ typedef struct fmu_contents {
     bool ellipse;
     bool approach_given; // false: the load is given
     bool slides;         // true: the scene has slide_roll or both speeds
-    double ratio;        // slide_roll if the sliding thins the film; NaN: it does not
+    double ratio;        // slide_roll of the scene if the sliding thins the film, otherwise NaN
     bool heated;         // true: the scene has the lubricant's thermal_conductivity
     bool has[FMU_NUM_VARIABLES];
     double start[FMU_NUM_VARIABLES]; // start values of inputs and parameters

@@ -4,9 +4,10 @@
 
 #include <math.h>
 
-/* Returns the contact of the last ehdrom_solve, but the approach of a line contact is measured from
- * approach_length or, if this is not set, far_approach_length. Measured from 1 half width, as in
- * ehdrom_solve, its derivative has no meaning. */
+/* Returns the contact of the last ehdrom_solve, with another reference point for the approach of a
+ * line contact. This point lies at approach_length or, if this setting is not set, at
+ * far_approach_length. With the point at 1 half width, which ehdrom_solve uses, the derivative of
+ * the approach has no meaning. */
 static ehd_contact contact_from_afar(const ehdrom_contact *self) {
     const double length = self->settings.approach_length;
     ehd_contact contact = self->solved;
@@ -15,7 +16,8 @@ static ehd_contact contact_from_afar(const ehdrom_contact *self) {
     return contact;
 }
 
-/* Begins a call. EHD_INTERNAL: no solution. `expected`: the calls that must come before. */
+/* Begins a call. EHD_INTERNAL: there is no solution. `expected`: the calls that must come
+ * before. */
 static ehd_status begin(ehdrom_contact *self, const char *what, const char *expected) {
     const ehd_status status = library_begin(self);
 

@@ -82,7 +82,7 @@ typedef struct ehdrom_model ehdrom_model;
 /* The sizes and the data of a model that are loaded. */
 typedef struct ehdrom_model_options {
     size_t size;              /* sizeof(ehdrom_model_options) */
-    size_t pressure_modes;    /* number of pressure modes, from the first one; 0: all modes */
+    size_t pressure_modes;    /* number of pressure modes, beginning with the first; 0: all modes */
     size_t deformation_modes; /* number of deformation modes; 0: all modes */
     size_t rows;              /* number of rows; 0: all rows */
     int stationary;           /* 1: the data for steps in time are not loaded */
@@ -122,7 +122,8 @@ typedef struct ehdrom_model_info {
     int checked_in_time; /* 1: these sizes were also checked on trajectories */
     int in_time;         /* 1: loaded for steps in time. Always 0 for a list of models on different
                             grids, which only line contacts may have */
-    double ellipticity;  /* b/a, half width across over along; 1 for a line or point contact */
+    double ellipticity;  /* b/a, half width across over half width along; 1 for a line or point
+                            contact */
     size_t parts; /* number of models in a list; 1 for a single model. The sizes above are those of
                      the largest model; `states` is the sum over all models */
 } ehdrom_model_info;

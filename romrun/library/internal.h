@@ -35,7 +35,8 @@ struct ehdrom_contact {
     bool dimensionless;
     double accuracy, tolerance, step_tolerance; // NaN: the caller has not set this value
     last_call last;
-    contact_scalars scalars; // of the state to which the fields belong; load NaN: not known
+    contact_scalars scalars; // scalars of the last solution or accepted state, to which the fields
+                             // belong; if the load is NaN, the scalars are not known
     contact_scalars stepped; // scalars of the step that may be accepted
     last_solved differentiable;
     // stationary
@@ -61,7 +62,7 @@ struct ehdrom_contact {
 locale_t library_enter(void);
 void library_leave(locale_t before);
 
-/* Begins a call and clears the previous error. EHD_INTERNAL: a contact without a model. */
+/* Begins a call and clears the previous error. EHD_INTERNAL: the contact has no model. */
 ehd_status library_begin(ehdrom_contact *self);
 
 /* Copies the members that both structs contain to the caller's struct. The first member of
@@ -79,7 +80,8 @@ ehd_status library_contact(ehd_contact *contact, unit_factors *units, ehdrom_con
  * grid of the model that has solved the contact. */
 const ehd_grid *library_grid(const ehdrom_contact *self);
 
-/* Computes self->pressure and self->film of the last solution or accepted state, at its nodes. */
+/* Computes self->pressure and self->film of the last solution or accepted state, at the nodes of
+ * library_grid. */
 ehd_status library_fields(ehdrom_contact *self);
 
 /* Writes the values of a field, [num_nodes], times `unit`, at the nodes of the whole contact,
@@ -89,7 +91,7 @@ void library_give_field(double *target, const double *nodes, double unit,
                         const ehdrom_contact *self);
 
 /* Converts the caller's conditions to values relative to the reference. Conditions that are not
- * given keep their values in *own. EHD_DATA. */
+ * given keep their values in *own. Errors: EHD_DATA. */
 ehd_status library_conditions(online_conditions *own, const ehdrom_conditions *given,
                               const unit_factors *units, ehd_error *error);
 

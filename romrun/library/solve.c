@@ -24,7 +24,8 @@ static void judge(ehdrom_contact *self, ehdrom_result *result, const char **reas
     if (*reason) result->status = EHDROM_UNTRUSTED;
 }
 
-/* Fills in scalars in the caller's units. `width`: half width, relative to the reference. */
+/* Fills in scalars in the caller's units. `width`: half width of the contact divided by the half
+ * width of the reference. */
 static void fill(ehdrom_result *result, const contact_scalars *scalars, double peak, double width,
                  const unit_factors *units) {
     result->load = scalars->load * units->load;
@@ -54,7 +55,8 @@ static ehd_status give(ehdrom_contact *self, ehdrom_result *target, ehdrom_resul
 
 // ---- stationary
 
-/* Sets EHD_UNTRUSTED, as romrun does, if the grid is too coarse to estimate its error. */
+/* Sets EHD_UNTRUSTED, as romrun does, if the training's grid is too coarse to estimate the error
+ * that the grid causes. */
 static void judge_grid(online_result *found, const ehdrom_contact *self) {
     if (found->status) return;
     const film_effects effects = online_effects(self->model->online, &self->solved);
@@ -336,7 +338,8 @@ ehdrom_status ehdrom_restart(ehdrom_contact *self) {
 /* Numbers that begin a saved state; they identify its model and settings. */
 enum { SAVED_MARK, SAVED_COUNT, SAVED_M, SAVED_L, SAVED_ALPHA, SAVED_LENGTH, NUM_SAVED };
 
-// Bounds of the states that are restored: those whose first number names this layout of states
+// Bounds of the states that are restored: only states that begin with this number, which is the
+// version of their layout
 static const double saved_mark = 3004;
 
 static void head_of(double head[NUM_SAVED], const ehdrom_contact *self) {

@@ -217,7 +217,8 @@ static ehd_status get_optional(reduced_states *states, artefact *file, double *w
     return status;
 }
 
-/* Returns the index in states->exit of the file's i-th exit; the file omits boundary lines. */
+/* Returns the index in states->exit of the file's i-th exit. states->exit has entries for boundary
+ * lines, which the file omits. */
 static size_t exit_index(const ehd_grid *grid, const reduced_states *states, size_t i) {
     return i / grid->inner_lines * states->num_lines + grid_first_line(grid) +
            i % grid->inner_lines;

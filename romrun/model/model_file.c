@@ -57,7 +57,8 @@ static ehd_status put_axes(artefact *file, const reduced_model *model, ehd_error
     return status;
 }
 
-/* Writes nodes as indices. `inner`: the nodes are inner nodes, and only these are counted. */
+/* Writes nodes as indices. `inner`: the nodes are inner nodes, and the indices count only inner
+ * nodes. */
 static ehd_status put_nodes(artefact *file, const char *field, const size_t *nodes, size_t count,
                             const ehd_grid *grid, bool inner, ehd_error *error) {
     int64_t *indices = malloc((count + 1) * sizeof *indices);

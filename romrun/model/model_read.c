@@ -60,7 +60,8 @@ static ehd_status read_nodes(size_t **nodes, arena *memory, artefact *file, cons
     return status;
 }
 
-/* Finds the indices of `nodes` in a stored list, which must be ascending and contain them all. */
+/* Finds the indices of `nodes` in a stored list. The list must be ascending and contain all these
+ * nodes. */
 static ehd_status match_nodes(size_t **indices, arena *memory, const size_t *nodes, size_t count,
                               const ehd_grid *grid, artefact *file, const char *field,
                               size_t num_stored, ehd_error *error) {
@@ -171,6 +172,7 @@ static ehd_status read_lines(reduced_model *model, artefact *file, ehd_error *er
                   : read_line(&model->band.last_minimum, file, "last_minimum_line", model, error);
 }
 
+/* Reads the band of a line contact. */
 static ehd_status read_band_line(reduced_model *model, artefact *file, ehd_error *error) {
     band_line *line = &model->band.lines[0];
     struct {
@@ -244,7 +246,8 @@ static size_t stored_film_width(const reduced_model *model, const stored_sizes *
     return model->deformation == DEFORMATION_COUPLED ? stored->pressure : stored->deformation;
 }
 
-/* Reads the bases at the nodes that the first set->num_rows rows need; the file may have more. */
+/* Reads the bases at the nodes that the first set->num_rows rows need. The file may contain more
+ * nodes. */
 static ehd_status read_needed(reduced_model *model, row_set *set, const row_fields *fields,
                               artefact *file, const stored_sizes *stored, ehd_error *error) {
     size_t num_stored = artefact_length(file, fields->needed_axis), *indices;
@@ -322,7 +325,8 @@ static ehd_status read_control(reduced_model *model, artefact *file, const store
     return status ? status : read_needed(model, control, &control_fields, file, stored, error);
 }
 
-/* Reads the cubature, if the file has one, with all its nodes for any number of rows and modes. */
+/* Reads the cubature for traction if the file has one. All its nodes are read, for any number of
+ * rows and modes. */
 static ehd_status read_cubature(reduced_model *model, artefact *file, const stored_sizes *stored,
                                 ehd_error *error) {
     const traction_fields *fields = &cubature_fields;

@@ -11,15 +11,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Margins of the band, in half widths. The band extends beyond the trained exits by EXIT_MARGIN for a
- * line contact, and by LINES_MARGIN for a point contact, whose exits vary more on each grid line.
+/* Margins of the band, in half widths. The band extends beyond the trained exits by EXIT_MARGIN for
+ * a line contact, and by LINES_MARGIN for a point contact, whose exits vary more on each grid line.
  * The band begins MINIMUM_MARGIN before the trained film minima. Exits of iterates may lie beyond
  * the trained exits. Without EXIT_MARGIN, or with -0.1 for MINIMUM_MARGIN, the iteration does not
  * converge from every trained solution to every other trained solution (test_reduced_solver.c,
  * any_trained_solution_leads_to_any_other). */
 static const double EXIT_MARGIN = 0.1, LINES_MARGIN = 0.3, MINIMUM_MARGIN = 0.05;
 
-/* Returns the node of a training state's film minimum, from the deflection of its pressure. */
+/* Returns the node of the film minimum of a training state. `deflection`: deflection that the
+ * pressure of this state causes. */
 static size_t film_minimum(const reduced_basis *basis, const double *deflection,
                            const size_t *exit) {
     const ehd_grid *grid = &basis->grid;
@@ -154,7 +155,8 @@ ehd_status reduced_model_find_band(reduced_model *model, const reduced_basis *ba
 
 // ---- checks of a file
 
-/* Checks whether a grid line's exits lie inside its band, with space for a row's stencil. */
+/* Checks whether the exits of a grid line lie inside the band of this line, with space for the
+ * stencil of a row. */
 static bool exits_fit(const band_line *line, const ehd_grid *grid) {
     const size_t width = grid_width(grid);
     const size_t end = line->max_exit + 1 + reynolds_reach_ahead(grid);

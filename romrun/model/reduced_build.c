@@ -233,7 +233,8 @@ ehd_status reduced_model_add_control(reduced_model *model, const reduced_basis *
     return status;
 }
 
-/* Adds to `moment` int P X of the modes, cut at the beginning of the band. */
+/* Adds the integrals int P X of the modes to `moment`. The modes are cut at the beginning of the
+ * band. */
 static void fill_moment(double *moment, const reduced_model *model, const reduced_basis *basis) {
     const ehd_grid *grid = &basis->grid;
     const size_t num = basis->num_pressure;

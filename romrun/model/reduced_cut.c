@@ -132,7 +132,8 @@ static ehd_status space_checkpoints(reduced_model *model, ehd_error *error) {
 }
 
 /* Chooses the checkpoints of a point contact among the exit lines in training. Each new checkpoint
- * is the exit line farthest from the checkpoints chosen before (farthest-point sampling). */
+ * is the exit line that is farthest from the checkpoints chosen before (farthest-point sampling).
+ * This ends when no exit line is left or CHECKPOINT_MEMORY is used. */
 static ehd_status spread_checkpoints(reduced_model *model, ehd_error *error) {
     const reduced_states *states = &model->states;
     size_t table =
@@ -170,6 +171,7 @@ typedef struct kept_table {
                    double *work); // updates a table to another exit
 } kept_table;
 
+/* Updates the deflections at the nodes of the band. */
 static void change_band(double *band, const reduced_model *model, const cut_run *runs,
                         size_t num_runs, double *work) {
     (void)work;
@@ -191,7 +193,8 @@ static void change_control(double *films, const reduced_model *model, const cut_
                      reduced_model_position(model, control->needed_node[q]), 1);
 }
 
-/* Fills all checkpoints' tables: the first from `base`, the others from the nearest filled one. */
+/* Fills the tables of all checkpoints. The tables of the first checkpoint are computed from `base`,
+ * and the tables of each other checkpoint from the nearest filled checkpoint. */
 static ehd_status fill_checkpoints(const kept_table *tables, size_t num_tables,
                                    const reduced_model *model, ehd_error *error) {
     cut_run *runs = malloc(model->band.num_lines * sizeof *runs);

@@ -125,7 +125,8 @@ ehd_status reduced_model_list_needed(reduced_model *model, row_set *set, ehd_err
     return set->needed_node ? EHD_OK : ehd_no_memory(error, "reduced model");
 }
 
-/* Returns the index of a node in an ascending list that contains the node; NO_NODE for NO_NODE. */
+/* Returns the index of a node in an ascending list that contains the node. If the node is NO_NODE,
+ * returns NO_NODE. */
 static size_t index_in(const size_t *nodes, size_t count, size_t node) {
     size_t low = 0, high = count;
 

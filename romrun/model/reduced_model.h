@@ -20,7 +20,7 @@
 /* How the deflection depends on the reduced unknowns. */
 typedef enum deformation_kind {
     DEFORMATION_INDEPENDENT, // own deflection modes and the projected elasticity equation (eq. 26)
-    DEFORMATION_COUPLED      // deflection by the pressure modes: Delta = K V_p a, no own unknowns
+    DEFORMATION_COUPLED      // deflection of pressure modes, Delta = K V_p a; no further unknowns
 } deformation_kind;
 
 extern const char *const deformation_names[]; // "independent", "coupled", NULL
@@ -31,16 +31,17 @@ typedef struct reduced_states {
     size_t num_states;
     size_t num_unknowns;     // n_p + n_delta + 1
     double *coordinates;     // [num_states, num_unknowns]: pressure, deformation, rigid approach
-    size_t num_lines;        // grid lines, with the boundary lines of a point contact
+    size_t num_lines;        // number of grid lines, with the boundary lines of a point contact
     size_t *exit;            // [num_states, num_lines] first column without pressure, where column
-                             // 0 is the boundary node; line contact: a grid node
+                             // 0 is the boundary node; in a line contact column k is node k
     double *moes_M;          // [num_states]
     double *alpha_p_H;       // [num_states]
     flow_thinning *thinning; // [num_states] thinning of the flow
     double *central_film_thickness; // [num_states]
     bool *stationary;               // [num_states] false: the state is from a trajectory
-    // [num_states] rates of change (frame_rates), 0 for stationary states. `rate`: `all` at the
-    // state; `load_rate`: largest `load` on the trajectory up to the state
+    // [num_states] rates of change of the contact (frame_rates). rate: the rate `all` at the state;
+    // load_rate: the largest rate `load` on the trajectory up to the state. Both are 0 for
+    // stationary states
     double *rate, *load_rate;
     film_effects *effects;  // [num_states] estimated errors due to the grid of the full model
     lubricant_rises *rises; // [num_states] rises of viscosity and density up to the Hertz pressure
@@ -86,9 +87,9 @@ void reduced_basis_free(reduced_basis *basis);
 /* Returns the number of unknowns: the coordinates of both bases and the rigid approach. */
 size_t reduced_num_unknowns(size_t num_pressure, size_t num_deformation);
 
-/* Checks that the least squares have at least num_pressure rows: the projected elasticity equation
- * and the load balance leave so many unknowns. EHD_DATA: there are fewer rows. `object`: the first
- * words of the message. */
+/* Checks that the least squares have enough rows. The projected elasticity equation and the load
+ * balance leave num_pressure unknowns, which the rows have to determine. EHD_DATA: there are fewer
+ * rows than num_pressure. `object`: the first words of the message. */
 ehd_status reduced_check_num_rows(size_t num_rows, size_t num_pressure, size_t num_deformation,
                                   const char *object, ehd_error *error);
 
@@ -134,14 +135,15 @@ typedef struct exit_band {
 } exit_band;
 
 /* The cut table: quantities of the pressure modes that depend linearly on the modes cut at the
- * exit. These are the deflections of the modes at the needed nodes (coupled basis) or V_delta^T K
- * V_p (independent basis), and in the last row the load of the modes. An exit's table is `base`
- * plus the sum of left[i, :]^T V_p[i, :] over the band's nodes i before the exit (eq. 36). */
+ * exit. For a coupled basis these are the deflections of the modes at the needed nodes. For an
+ * independent basis they are V_delta^T K V_p. The last row of the table is the load of the modes.
+ * The table of an exit is `base` plus the sum of left[i, :]^T V_p[i, :] over the band's nodes i
+ * before the exit (eq. 36). */
 typedef struct exit_cut {
     size_t num_rows; // coupled: num_needed + 1; independent: num_deformation + 1
     double *left;    // [nodes of the band, num_rows] effect of a pressure of 1 at a node on each
                      // row of the table
-    // [num_rows, num_pressure] the table for an exit at the beginning of the band
+    // [num_rows, num_pressure] table of an exit at the beginning of the band
     double *base;
 } exit_cut;
 
@@ -150,22 +152,23 @@ typedef struct exit_cut {
 typedef struct exit_checkpoints {
     size_t stride; // line contact: distance between checkpoints in nodes
     size_t num;
-    size_t *exit;    // [num, num_lines] exit lines; point contact: of training states
+    size_t *exit;    // [num, num_lines] exit lines; point contact: exit lines of training states
     double *cut;     // [num, rows of the cut table, num_pressure]
-    double *band;    // coupled: deflections of the modes, [num, nodes of the band, num_pressure]
-    double *control; // coupled: like `band`, [num, num_needed of the control rows, num_pressure]
+    double *band;    // coupled: deflections in the band, [num, nodes of the band, num_pressure]
+    double *control; // coupled: deflections for the control rows, [num, num_needed, num_pressure]
 } exit_checkpoints;
 
 /* Pressures of the training states behind X = 0, from which initial states of the solver are
  * computed (start_shift.h). */
 typedef struct start_shift {
-    size_t first, num_nodes; // index in needed_node of the first node behind X = 0, and number of
-                             // nodes from there on; num_nodes 0: no shift
-    double *x;               // [num_nodes]
-    double *pressure;        // [num_states, num_nodes] interpolated from the profiles
-    double *fit;    // [num_nodes, num_pressure] coordinates of the modes that fit a pressure of 1
-                    // at a node, by least squares over all needed nodes
-    double *spike;  // [num_states] X of the spike
+    // first: index in needed_node of the first node behind X = 0; num_nodes: number of needed nodes
+    // from this node on; if num_nodes is 0, there is no shift
+    size_t first, num_nodes;
+    double *x;        // [num_nodes]
+    double *pressure; // [num_states, num_nodes] interpolated from the profiles
+    double *fit;      // [num_nodes, num_pressure] coordinates of the modes that fit a pressure of 1
+                      // at a node, by least squares over all needed nodes
+    double *spike;    // [num_states] X of the spike
     double spacing; // distance between the points of a profile, in the coordinate of start_shift.h
     size_t num_points;
     double *profile; // [num_states, num_points, 2] pressure, and its slope times `spacing`
@@ -198,11 +201,11 @@ typedef struct reduced_model {
     size_t num_pressure, num_deformation, num_unknowns;
 
     row_set rows;    // the selected rows; the needed nodes include the nodes around the centre
-    row_set control; // rows used only for the error estimate (indicator.h); num_rows 0: none
+    row_set control; // rows used only for the error estimate (indicator.h); num_rows may be 0
     centre_nodes centre;
     exit_band band;
-    // [lines, width] deflection by a pressure of 1 at a distance of so many lines and columns;
-    // `lines` is num_lines or, on a half grid with its mirrored nodes, 2 num_lines
+    // [lines, width] deflection that a pressure of 1 causes at a distance of so many lines and
+    // columns. `lines` is num_lines, but on a half grid 2 num_lines, because of mirrored nodes.
     double *kernel;
     exit_cut cut;
     exit_checkpoints checkpoints;
@@ -245,7 +248,8 @@ ehd_status reduced_model_list_needed(reduced_model *model, row_set *set, ehd_err
 
 /* Check a band and the exits of states, which were read from the file `path`. Error: EHD_DATA.
  * - reduced_check_band checks that the exits of each grid line lie inside the band, with space for
- *   the stencil of a row, and that the lines have as many nodes as the band.
+ *   the stencil of a row. It also checks that the numbers of nodes on the lines add up to the
+ *   number of nodes of the band.
  * - reduced_check_exits checks that the exits of the states lie in the band, because tables are
  *   updated node by node along the band. */
 ehd_status reduced_check_band(const reduced_model *model, const char *path, ehd_error *error);
@@ -256,8 +260,10 @@ ehd_status reduced_check_exits(const reduced_model *model, const reduced_states 
  * selected rows it also sets the indices of the nodes around the centre. Errors: EHD_MEMORY. */
 ehd_status reduced_model_place_rows(reduced_model *model, row_set *set, ehd_error *error);
 
-/* Compute the tables that follow from the other tables (stencils, kernel, left sides, checkpoints),
- * as the last step of building or reading a model or of adding control rows. */
+/* reduced_model_complete computes the tables that follow from the other tables (stencils, kernel,
+ * left sides, checkpoints). This is the last step of building or reading a model.
+ * reduced_model_complete_control computes the stencils and checkpoints of the control rows, which
+ * may be added later. */
 ehd_status reduced_model_complete(reduced_model *model, ehd_error *error);
 ehd_status reduced_model_complete_control(reduced_model *model, ehd_error *error);
 
@@ -279,15 +285,16 @@ grid_position reduced_model_position(const reduced_model *model, size_t node);
 /* Checks whether a grid line has nodes in the band. Only boundary lines have no nodes in it. */
 bool reduced_model_has_band(const reduced_model *model, size_t line);
 
-/* Returns the index of the selected row nearest to a node, among the rows whose `influence`,
- * [rows], is not 0 (NULL: among all rows). Returns 0 if every influence is 0. */
+/* Returns the index of the selected row that is nearest to a node. Rows whose `influence`, [rows],
+ * is 0 are ignored. If `influence` is NULL, no row is ignored. Returns 0 if all are ignored. */
 size_t reduced_model_nearest_row(const reduced_model *model, size_t node, const double *influence);
 
 /* Returns the index of a node of the band among the band's nodes. */
 size_t reduced_model_band_index(const reduced_model *model, size_t node);
 
-/* Adds the deflections at `num_at` neighbouring nodes from `at` on. They are caused by the
- * pressures, times `sign`, at `count` nodes of grid line `line` from column `first` on. */
+/* Adds the deflections that pressures on one grid line cause at `num_at` neighbouring nodes from
+ * `at` on. The pressures lie at `count` nodes of grid line `line`, from column `first` on, and are
+ * multiplied by `sign`. */
 void reduced_model_deflect(
     // in and out:
     double *film, // [num_at]

@@ -50,8 +50,9 @@ static double curvature_at(const double *x, const double *pressure, size_t q) {
            (before + after);
 }
 
-/* Returns the X of the tip of a spike, or of its remains: the place of largest curvature of the
- * pressure, from a parabola through the curvatures at three nodes. */
+/* Returns the X at which the pressure is most curved. This is the tip of a spike, or of what
+ * remains of a spike. The result is the maximum of the parabola through the largest curvature at a
+ * node and the curvatures at the neighbours of this node. */
 static double place_of_spike(const double *x, const double *pressure, size_t num) {
     size_t best = 1;
 

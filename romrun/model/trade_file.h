@@ -16,7 +16,7 @@ enum trade_quantity {
     TRADE_CENTRAL_FILM,
     TRADE_MINIMUM_FILM,
     TRADE_CENTRAL_PRESSURE,
-    TRADE_PRESSURE, // largest difference at a node, Hertz pressures; the others are relative
+    TRADE_PRESSURE, // largest difference at a node, in Hertz pressures; the others are relative
     NUM_TRADE_QUANTITIES
 };
 enum trade_quantile { TRADE_MEDIAN, TRADE_95, TRADE_WORST, NUM_TRADE_QUANTILES };
@@ -60,22 +60,24 @@ typedef struct trade_position {
                              // not calibrated, and the members below are unknown
     double indicator_factor_minimum;     // factor of the error estimate of the minimum film
     double indicated[NUM_TRADE_PARTS];   // quantiles, over all scenes, of the larger estimate of
-                                         // both films; infinite for a scene that is not solved
+                                         // both films, which is infinite if a scene is not solved
     double effectivity[NUM_TRADE_PARTS]; // quantiles of the ratio of estimate to error; of both
                                          // films the smaller ratio
     double largest_residual;             // largest residual of the least squares; infinite: unknown
-    double other_factor[NUM_INDICATED];  // factors of the other error estimates; 0: unknown
+    double other_factor[NUM_INDICATED];  // factors for the other quantities; 0: not known
     indicator_shape shape[NUM_BOUNDED];  // shapes of the error estimates, without their factors
     // results on trajectories, which the reduced model solved with the time steps of the full model
-    double worst_in_time[TRADE_PRESSURE]; // largest error of a quantity over all steps
+    double worst_in_time[TRADE_PRESSURE]; // largest errors over all steps, without TRADE_PRESSURE
     double step_iterations, step_seconds; // means over steps
     // factor of the error estimate of the central film in a transient run; 0: this size was not
     // calibrated on trajectories
     double factor_in_time;
     double factor_in_time_minimum; // factor of the errors that arise where the film is lowest
-    double floor_in_time;          // added to the central film's estimate; 0 before schema 2.9
+    double floor_in_time;          // added to the estimate of the central film; 0 in files before
+                                   // schema 2.9
     double floor_in_time_minimum;  // added to the estimate of the minimum film
-    // quantiles, over the trajectories, of the largest estimate of both films; lost trajectory: 1
+    // quantiles, over the trajectories, of the largest estimate of both films; a lost trajectory
+    // (num_lost) has the estimate 1
     double indicated_in_time[NUM_TIME_PARTS];
     size_t num_lost; // trajectories with a step that did not converge or is not trusted
 } trade_position;

@@ -48,7 +48,7 @@ typedef struct online_solver online_solver;
 typedef struct online_properties {
     size_t num_inner;           // number of inner nodes of the full grid
     size_t num_nodes;           // number of nodes including the boundary nodes
-    size_t num_lines;           // grid lines on both sides of a mirror; line contact: 1
+    size_t num_lines;           // number of grid lines on both sides of a mirror; line contact: 1
     double x_min, step;         // first inner node and step of the grid, half widths
     const char *discretization; // "accurate" or "published"
     const char *boundary;       // "open" or "zero"; "zero" for line contacts
@@ -59,7 +59,8 @@ typedef struct online_properties {
     size_t rows;                              // number of selected Reynolds rows in use
     size_t needed_nodes;                      // nodes in the stencils of the rows and around X = 0
     size_t states;                            // number of training solutions
-    size_t parts; // models for parts of a region; the numbers above are the largest part's
+    size_t parts; // number of models for parts of a region; the numbers above are those of the
+                  // largest part
     // true: the sizes in use were calibrated by deimselect or romrun calibrate, on stationary
     // scenes (`checked`) or on trajectories (`checked_in_time`). Otherwise no error is estimated,
     // and a result with EHD_OK may have any error.
@@ -74,15 +75,17 @@ typedef struct online_result {
     // that the solution is probably false.
     ehd_status status;
     const char *reason; // text for a status other than EHD_OK, or ""; valid until the next solution
-    contact_scalars scalars; // scalars in the contact's frame; load relative to the frame's load
+    contact_scalars scalars; // in the contact's frame; the load is relative to the frame's load
     double peak_pressure;    // largest P at the needed nodes and in the band
     size_t part;             // index of the part of the model that solved the contact
     size_t iterations;
     double residual;          // norm of the weighted least-squares residual
     double bound;             // bound of the relative error of the central film, without its factor
     double bound_minimum;     // bound of the relative error of the minimum film, without its factor
-    double indicated;         // estimated relative error of the central film; NaN: not calibrated
-    double indicated_minimum; // estimated relative error of the minimum film; NaN: not calibrated
+    double indicated;         // estimated relative error of the central film; NaN: the model is not
+                              // calibrated
+    double indicated_minimum; // estimated relative error of the minimum film; NaN: the model is not
+                              // calibrated
     double seconds;           // total time; the next three times are included
     double seconds_rows;      // rows and reduced Jacobian
     double seconds_linear;    // least squares
@@ -131,8 +134,9 @@ ehd_status online_export(online_model *model, const char *path, bool force, ehd_
  * discretisation. */
 const contact_kind *online_kind(const online_model *model);
 const ehd_grid *online_grid(const online_model *model);
-/* Returns the grid of the part that solves a stationary contact: the part in whose trained range
- * the contact lies deepest, among the parts with the contact's grid if there are any. */
+/* Returns the grid of the part that solves a stationary contact. This is the part in whose trained
+ * range the contact lies deepest. If some parts have the grid that the contact gives, the choice is
+ * among these parts only. */
 const ehd_grid *online_grid_for(const online_model *model, const ehd_contact *contact);
 /* Checks whether the model can solve transient contacts. The discretisation must allow this, and
  * all parts must have the same grid. EHD_DATA: the model cannot; the text gives the reason. */
@@ -261,9 +265,10 @@ typedef struct online_state {
     ehd_status status;       // EHD_OK; EHD_NOT_CONVERGED: try a shorter step; EHD_UNTRUSTED
     const char *reason;      // reason of a status other than EHD_OK, or ""
     double time;             // T
-    contact_scalars scalars; // scalars in the reference frame; load relative to the reference
+    contact_scalars scalars; // in the reference frame; the load is relative to the reference load
     double half_width;       // half width of the frame, relative to the reference; 0: bodies apart
-    double local_error;      // film error by this step, relative to the central film; 0: not known
+    double local_error;      // error that this step causes in the film, relative to the central
+                             // film; 0: the error is not known yet
     // Estimated relative errors of the films, compared with the full model with the same steps. An
     // error stays in the film until the fluid has left the contact. NaN: the model is not
     // calibrated on trajectories.
@@ -359,7 +364,8 @@ typedef struct online_derivatives {
     // Derivatives of the scalars in the reference frame; a line contact's approach is measured from
     // approach_length. The exit is NaN if only its node is known. minimum_position has no meaning.
     contact_scalars scalars;
-    double peak_pressure; // largest pressure at the nodes, in the reference's Hertz pressures
+    double peak_pressure; // derivative of the largest pressure at the nodes, in Hertz pressures of
+                          // the reference
     double half_width;
 } online_derivatives;
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes derivatives of solutions and of steps by the conditions (romrun/library/README.md), from
- * central differences of the residuals (reduced_tangent.h). Called by the library and FMUs through
- * online.h. */
+/* Computes derivatives of solutions and of steps with respect to the conditions
+ * (romrun/library/README.md), from central differences of the residuals (reduced_tangent.h). Called
+ * by the library and FMUs through online.h. */
 #include "romrun/online/online_objects.h"
 
 #include <math.h>
@@ -22,14 +22,16 @@ typedef struct solved_frame {
     bool *linearised; // true: the tangent is linearised at this solution, for all directions
 } solved_frame;
 
-/* Relative distance between the two sets of conditions of a central difference (distance_of). Only
- * the residuals of the rows are differenced, at fixed coordinates. For the line contact of
- * scenes/examples, distances of 2e-3 to 2e-5 change the derivatives of central and minimum film by
- * load and speed by less than 1e-6. A distance of 2e-2 changes them by 6e-4, and a distance of 2e-7
- * by 6e-5 (test_derivatives.c, derivatives_of_lines_are_those_of_differences). */
+/* Relative distance between the two sets of conditions of a central difference (distance_of).
+ * Differences are taken only of the residuals of the rows, at fixed coordinates. The derivatives of
+ * central and minimum film with respect to load and speed were computed for the line contact of
+ * scenes/examples. Distances of 2e-3 to 2e-5 change these derivatives by less than 1e-6. A distance
+ * of 2e-2 changes them by 6e-4, and a distance of 2e-7 by 6e-5 (test_derivatives.c,
+ * derivatives_of_lines_are_those_of_differences). */
 static const double DISTANCE = 2e-4;
 
-/* Returns the distance of a central difference, as a multiple of `direction`; 0 for direction 0. */
+/* Returns the distance between the two sets of conditions of a central difference, as a multiple of
+ * `direction`. Returns 0 if the direction is zero. */
 static double distance_of(const solved_frame *of, const online_direction *direction) {
     const online_conditions *at = &of->at;
     const double rates[] = {
@@ -113,7 +115,8 @@ static ehd_status derivatives_along(frame_quantities *found, const solved_frame 
                          &of->equations, error);
 }
 
-/* Returns the direction in which only the given load or approach changes, by 1. */
+/* Returns the direction in which the given quantity (load or approach) changes by 1. The other
+ * conditions stay constant. */
 static online_direction direction_of_given(const solved_frame *of) {
     return of->by_approach ? (online_direction){.load = NAN, .approach = 1}
                            : (online_direction){.load = 1, .approach = NAN};

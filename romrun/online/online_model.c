@@ -95,7 +95,7 @@ static ehd_status check_alike(const online_model *self, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Returns the first part whose grid differs from the grid of part 0; 0: there is none. */
+/* Returns the first part whose grid differs from the grid of part 0, or 0 if there is none. */
 static size_t part_of_other_grid(const online_model *self) {
     for (size_t p = 1; p < self->num_parts; p++)
         if (!grid_same(&self->parts[p].reduced.grid, &self->parts[0].reduced.grid)) return p;

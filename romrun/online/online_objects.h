@@ -15,7 +15,7 @@ struct online_model {
     part_list list; // files that the model consists of
     flat *files;    // [list.num] tables of the files that are flat; unused for HDF5 files
     size_t num_parts;
-    model_part parts[MAX_PARTS]; // same contact kind, discretisation, transport, smoothing
+    model_part parts[MAX_PARTS]; // alike in contact kind, discretisation, transport and smoothing
 };
 
 struct online_solver {
@@ -30,7 +30,7 @@ struct online_solver {
 size_t online_part_for(const online_model *self, const part_solver *solvers,
                        const ehd_contact *contact);
 
-/* Reports that a model was used before `call` has prepared it. Returns EHD_INTERNAL. */
+/* Reports that a model was used before the function `call` prepared it. Returns EHD_INTERNAL. */
 ehd_status online_not_prepared(const model_part *model, const char *call, ehd_error *error);
 
 // ---- transient contacts
@@ -39,7 +39,7 @@ ehd_status online_not_prepared(const model_part *model, const char *call, ehd_er
  * doubles, so that the struct can be saved as an array. */
 typedef struct accepted_moment {
     double time;
-    load_forecast forecast; // of the load that scales the next frame, if the approach is given
+    load_forecast forecast; // forecast of the load that scales the next frame for a given approach
     double path, speed;     // path that the fluid has travelled, and the speed of the fluid
 } accepted_moment;
 
@@ -71,7 +71,8 @@ reduced_march *transient_march_of_attempt(const online_transient *self);
 contact_frame transient_frame_of(const online_transient *self, const online_conditions *conditions,
                                  double step);
 
-/* Checks whether the bodies are apart in the last solved step, or else in the accepted state. */
+/* Checks whether the bodies are apart in the last solved step. If there is no such step, checks the
+ * accepted state. */
 bool transient_is_apart(const online_transient *self);
 
 /* Returns the argument `steps` of reduced_march_state_before for the last solved state: 0 for a

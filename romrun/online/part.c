@@ -238,9 +238,10 @@ static void indicate(online_result *result, part_solver *solver, const ehd_conta
     if (model->indicator_factor > 0) {
         result->indicated =
             trade_indicated(model->indicator_factor, model->shape[OF_CENTRAL_FILM], result->bound);
-        // Takes the larger estimate of both films. In 16 of 452 scenes inside the trained range,
-        // with 78 of 110 modes, the minimum film's own estimate is below its error. The larger
-        // estimate is below the error in 1 scene (0.96 of the error).
+        // The estimate of the minimum film is at least the estimate of the central film. In 16 of
+        // 452 scenes inside the trained range, with 78 of 110 modes, the minimum film's own
+        // estimate is below the error of the minimum film. The larger of both estimates is below
+        // this error in only 1 scene (0.96 of the error).
         result->indicated_minimum =
             fmax(trade_indicated(model->indicator_factor_minimum, model->shape[OF_MINIMUM_FILM],
                                  result->bound_minimum),
@@ -255,19 +256,20 @@ static void indicate(online_result *result, part_solver *solver, const ehd_conta
  * with an untrained lubricant (scenes/studies/silent-failures, seed 22). */
 static const double MAX_RESIDUAL_OVER_CALIBRATION = 100;
 
-/* A result is not trusted if it takes more than this many times the largest number of iterations of
- * the calibration, N. Measured on 1700 random scenes of line contacts, with two trainings and
- * calibrations of 60 scenes. Scenes inside the trained range, with the trained density, take at
- * most 1.9 N. If the training was compressible, incompressible scenes take up to 8 N. One in twenty
- * of the incompressible scenes takes more than 5 N although the result is good
+/* A result is not trusted if it takes more iterations than this multiple of N. N is the largest
+ * number of iterations in the calibration. Measured on 1700 random scenes of line contacts, with
+ * two trainings and calibrations of 60 scenes. Scenes inside the trained range, with the trained
+ * density, take at most 1.9 N. If the training was compressible, incompressible scenes take up to
+ * 8 N. One in twenty of the incompressible scenes takes more than 5 N although the result is good
  * (romrun/trust/README.md, Results that are rejected). */
 static const double MAX_ITERATIONS_OVER_CALIBRATION = 5;
 
 /* Largest accepted magnitude of a negative pressure, Hertz pressures. Of 1000 solutions with
  * trained lubricants, in 18 model sizes (14 modes or more) of three trainings, none has a pressure
- * below -3e-4. Of line contacts with any lubricant that the whole model solves to 1 %, none goes
- * below -4e-4. Solutions with pressures below -1e-3 have errors of the fields of 0.01 to 4 Hertz
- * pressures (scenes/studies/silent-failures; test_online.c, the_library_says_what_it_solved). */
+ * below -3e-4. Of the line contacts with any lubricant that the whole model solves to 1 %, none has
+ * a pressure below -4e-4. Solutions with pressures below -1e-3 have errors of the fields of 0.01 to
+ * 4 Hertz pressures (scenes/studies/silent-failures; test_online.c,
+ * the_library_says_what_it_solved). */
 static const double MOST_NEGATIVE = 1e-3;
 
 /* Marks a result as not converged if a pressure is impossible in a contact: too far below zero, or
@@ -294,8 +296,8 @@ void online_judge_pressure(online_result *result, const ehd_contact *contact,
 }
 
 /* Marks a converged result as untrusted if the contact lies outside of the trained range or if the
- * result is probably false. If a result has not converged outside of the range, its reason begins
- * with the range. */
+ * result is probably false. If a result has not converged and the contact lies outside of the
+ * range, the text of the reason names the range first. */
 static void judge(online_result *result, part_solver *solver, const ehd_contact *contact) {
     const model_part *model = solver->model;
     const char *reason =

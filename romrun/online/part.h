@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Defines a part: one reduced model with the data that the online solver needs, and the solver of
  * this model. An opened model consists of one part or, for parts of a region, of several parts
- * (README.md, Models for parts of a region).
- * Called by the files of online.h (online_objects.h). */
+ * (README.md, Models for parts of a region). Called by the files of online.h (online_objects.h). */
 #ifndef EHD_ONLINE_PART_H
 #define EHD_ONLINE_PART_H
 
@@ -23,25 +22,27 @@ typedef struct model_part {
     bool shows;       // true: the part owns the lubricants of part_show, even if it is flat
     artefact *source; // open HDF5 file with the modes; NULL: a flat model, or the file is closed
     trained_range *range;
-    double indicator_factor; // factor of the central film's estimate; 0: not calibrated
+    // Results of the calibration. If these sizes are not calibrated, the factors are 0. If they are
+    // not calibrated on trajectories, in_time is NaN. An unknown largest value is infinite.
+    double indicator_factor; // factor of the error estimate of the central film
     double indicator_factor_minimum;
-    double largest_residual; // largest residual in the calibration; infinite: not known
+    double largest_residual; // largest residual in the calibration
     bool checked_in_time;
-    double most_iterations;             // largest number in the calibration; infinite: not known
-    double other_factor[NUM_INDICATED]; // factors of the other estimates; 0: not calibrated
+    double most_iterations;             // largest number of iterations in the calibration
+    double other_factor[NUM_INDICATED]; // factors of the other error estimates
     indicator_shape shape[NUM_BOUNDED]; // shapes of the estimates (indicator_shape)
-    film_factors in_time;               // factors in time; NaN: not calibrated on trajectories
+    film_factors in_time;               // factors of the error estimates in a transient run
     double *pressure_basis;             // NULL until fields or transient scenes are prepared
     const field_modes *fields;          // NULL: the model was not prepared for fields
-    field_modes own_fields;             // memory of `fields`, unless the splines own it
+    field_modes own_fields;             // memory of `fields`, unless the splines own this memory
     // true: prepared for transient scenes; the members below are then set
     bool transient;
     film_splines splines;
     double *deformation_basis;
 } model_part;
 
-/* Opens a part from an HDF5 file. `self` is zero; free with part_close, also after a failure.
- * Errors: EHD_NOINPUT, EHD_DATA, EHD_MEMORY. */
+/* Opens a part from an HDF5 file. `self` must be zero. Free it with part_close, also after a
+ * failure. Errors: EHD_NOINPUT, EHD_DATA, EHD_MEMORY. */
 ehd_status part_open(model_part *self, const char *path, const model_sizes *sizes,
                      ehd_error *error);
 /* Writes the part to a flat file or reads the part from it, depending on file->reading.
@@ -73,8 +74,8 @@ typedef struct part_solver {
     char reason[192];           // text of the last result's reason, if several reasons are combined
 } part_solver;
 
-/* Initialises a solver. `self` is zero; free with part_solver_free, also after a failure. Errors:
- * EHD_MEMORY. */
+/* Initialises a solver. `self` must be zero. Free it with part_solver_free, also after a failure.
+ * Errors: EHD_MEMORY. */
 ehd_status part_solver_init(part_solver *self, const model_part *model, ehd_error *error);
 void part_solver_free(part_solver *self);
 

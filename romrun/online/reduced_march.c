@@ -19,10 +19,12 @@
 
 /* Weighted sums of rho H of the accepted states, in the frame of the attempt. */
 typedef struct previous_sums {
-    size_t *ascending;             // [num_rows] rows in the order of their nodes
-    double *sum;                   // [num_rows] sum with the weights of the BDF formula
-    size_t attempt, *band_attempt; // present attempt; [nodes of the band] attempt that set band_sum
-    double *band_sum;              // [nodes of the band] the sum, evaluated on demand
+    size_t *ascending; // [num_rows] rows in the order of their nodes
+    double *sum;       // [num_rows] sum with the weights of the BDF formula
+    // `attempt`: number of the present attempt; `band_attempt`, [nodes of the band]: number of the
+    // attempt that set band_sum
+    size_t attempt, *band_attempt;
+    double *band_sum; // [nodes of the band] the sum, evaluated on demand
 } previous_sums;
 
 /* Data for the local error of an attempt. */
@@ -36,7 +38,8 @@ typedef struct error_estimate {
     size_t *way_row; // [num_way] row at the node, or NO_ROW
     double *x;       // [num_way] X of the place
     double *missed;  // [num_way] solution minus prediction of rho H (bdf_march_missed)
-    // [num_way] change of the last accepted rho H by the filter, and X to which it was carried
+    // `changed`, [num_way]: change of the last accepted rho H that the filter causes; `changed_x`,
+    // [num_way]: X to which the fluid has carried this change
     double *changed, *changed_x;
     double *way_mass; // [num_way] rho H at the place; infinite where no error is estimated
 } error_estimate;
@@ -52,7 +55,8 @@ typedef struct march_beside {
     reduced_squeeze squeeze;
 } march_beside;
 
-/* Arguments of the solver's kept factors. A restored march makes the factors from them. */
+/* Arguments with which the solver's kept factors were made. A restored march makes the same factors
+ * from these arguments. */
 typedef struct factors_origin {
     bool valid;
     contact_frame frame;
@@ -70,9 +74,11 @@ struct reduced_march {
     reduced_solver *solver;
     double start_tolerance;               // tolerance of the start
     double tolerance;                     // tolerance of the steps; NaN: the caller has not set it
-    previous_film states[NUM_BDF_PLACES]; // states at the places of `bdf`
+    previous_film states[NUM_BDF_PLACES]; // states in the ring of `bdf`, and the base
     previous_sums previous;
-    // transport along the path: the base (initial state), and d/dX of its rho H by the rows
+    // only for transport along the path. `path`: films of the base, which is the initial state;
+    // `entrained`, `band_entrained`: d/dX of rho H of the base, as the rows evaluate this
+    // derivative
     path_films path;
     double *entrained, *band_entrained; // [num_rows], [nodes of the band]
     error_estimate estimate;
@@ -82,12 +88,14 @@ struct reduced_march {
     film_bounds bounds;    // bounds of the attempt
     functionals *functionals;
     double *influence; // [num_rows] influence of rows on a film
-    // path of the fluid up to which the contact contains a film from an untrusted step: for the
-    // attempt, and for the last accepted state
+    // path of the fluid up to which the contact contains a film from an untrusted step; `doubtful`:
+    // for the attempt, `last_doubtful`: for the last accepted state
     double doubtful, last_doubtful;
     factors_origin factors;
-    // frames scaled by the computed loads: attempt, last accepted state, and the state from which
-    // rates are measured. If the approach is given, the states were solved in other frames
+    // frames scaled by the computed loads. `load_frame`: for the attempt; `last_load_frame`: for
+    // the last accepted state; `rate_frame`: for the state from which rates of change are measured.
+    // If the approach is given, these frames differ from the frames in which the states were
+    // solved.
     contact_frame load_frame, last_load_frame, rate_frame;
     reduced_info info; // outcome of the attempt
     march_beside beside[2];
@@ -148,14 +156,16 @@ static bool is_along_path(const reduced_march *self) {
     return bdf_march_along_path(&self->bdf);
 }
 
-/* Checks whether errors of the minimum film by time steps are estimated. For a point contact they
- * are not, because its minimum film lies beside the central grid line. */
+/* Checks whether the errors that time steps cause in the minimum film are estimated. They are
+ * estimated only with transport along the path. For a point contact they are not estimated, because
+ * its minimum film lies beside the central grid line. */
 static bool estimates_minimum(const reduced_march *self) {
     return is_along_path(self) && self->model->band.num_lines == 1;
 }
 
-/* Finds the places of the way to the centre. They are the nodes of rows on the central grid line.
- * If two such nodes are farther apart than `widest`, nodes between them are added. */
+/* Finds the places of the way to the centre (error_estimate). The places are the nodes of rows on
+ * the central grid line. If two such nodes are farther apart than `widest`, nodes between them are
+ * added. */
 static bool find_way(reduced_march *self) {
     // Largest distance between two places, half widths (common/time/README.md, Along the path).
     const double widest = 0.05;
@@ -334,8 +344,9 @@ static void add_effort(reduced_march *self, const reduced_info *info) {
 
 // ---- trust
 
-/* Checks whether an exit lies at the edge of its trained range. The end of the grid is accepted as
- * an exit: right after a sudden rise of the load the whole outlet is full. */
+/* Checks whether an exit lies at the edge of its trained range. An exit at the end of the grid is
+ * accepted. The reason is that right after a sudden rise of the load the whole outlet is full. The
+ * exit of the full model in the training lies at the end of the grid for a moment. */
 static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
     const size_t *exit = reduced_state_exits(state), end = grid_width(&model->grid) - 2;
 
@@ -385,8 +396,9 @@ static frame_rates rates_of_step(const reduced_march *self) {
     return rates;
 }
 
-/* Moves rate_frame to the accepted state if this state is far enough from the present rate_frame,
- * or is the first state after a jump. */
+/* Sets rate_frame, from which rates of change are measured, to the frame of the accepted state.
+ * Does this only if the state is far enough from the present rate_frame, or if the state is the
+ * first one after a jump. */
 static void move_rate_frame(reduced_march *self) {
     const contact_frame *now = &self->load_frame, *last = &self->rate_frame;
 
@@ -395,7 +407,7 @@ static void move_rate_frame(reduced_march *self) {
         self->rate_frame = *now;
 }
 
-/* Returns why the model does not cover a state, or NULL if it does. */
+/* Returns why the model does not cover a state. Returns NULL if the model covers the state. */
 static const char *why_not_to_trust(reduced_march *self, const reduced_state *state) {
     // Pressure below which the film ruptures, Hertz pressures. Truncation alone causes negative
     // pressures of a tenth of this value (romrun/trust/README.md, Results that are rejected).
@@ -404,7 +416,7 @@ static const char *why_not_to_trust(reduced_march *self, const reduced_state *st
     ehd_contact contact;
 
     frame_contact(&contact, &self->load_frame, &self->reference);
-    // a jump takes one step, whatever its length, so the rates of this step are not checked
+    // a jump takes one step of any length, so the rates of this step are not checked
     frame_rates rates = {0};
     if (self->bdf.ring.num_previous > 1) rates = rates_of_step(self);
     if (reduced_doubts_flow(self->solver, state, &contact)) return flow_doubt_reason;
@@ -420,7 +432,7 @@ static const char *why_not_to_trust(reduced_march *self, const reduced_state *st
 static void judge(march_step *outcome, reduced_march *self, const reduced_state *state,
                   const contact_frame *frame) {
     self->load_frame = isnan(frame->approach)
-                           ? *frame // the load is given, and the solution meets it approximately
+                           ? *frame // the load is given, and the solution has nearly this load
                            : frame_of_load(self->reference.kind, frame, outcome->scalars.load);
     if (outcome->status == EHD_NOT_CONVERGED) return;
     if (outcome->status == EHD_OK) march_distrust(outcome, why_not_to_trust(self, state));
@@ -439,7 +451,8 @@ static ehd_status solve(reduced_info *info, reduced_march *self, const ehd_conta
     return status;
 }
 
-/* Solves the stationary contact under the load that scales a frame, from trained states. */
+/* Solves the stationary contact under the load that scales a frame. The iteration starts from the
+ * trained states around the contact. */
 static ehd_status solve_under_load(reduced_info *info, reduced_march *self,
                                    const contact_frame *frame, ehd_error *error) {
     ehd_contact contact;
@@ -452,9 +465,10 @@ static ehd_status solve_under_load(reduced_info *info, reduced_march *self,
 
 /* Finds the load at the given approach by fixed-point iteration: the load of each stationary
  * solution rescales the frame of the next one. The iteration may end in a cycle, because solutions
- * have a tolerance and exits are nodes. Any frame of a cycle with a small error of the load is
- * accepted (line contact of scenes/examples/oscillator under 0.952 of its load: relative error
- * +-64e-9). */
+ * have a tolerance and exits are nodes. A frame of the cycle is accepted if its load error is below
+ * the tolerance of the start and no longer falls, or is small after all rescalings. Example: for
+ * the line contact of scenes/examples/oscillator under 0.952 of its load, the relative error of the
+ * load alternates between 64e-9 and -64e-9. */
 static ehd_status find_load(reduced_info *info, reduced_march *self, contact_frame *frame,
                             ehd_error *error) {
     // Largest number of rescalings, and largest relative error of the load in a cycle
@@ -482,8 +496,9 @@ static ehd_status find_load(reduced_info *info, reduced_march *self, contact_fra
     return EHD_OK;
 }
 
-/* Finds the load for an approach at which find_load does not converge. The secant method comes
- * near, starting each solution at a trained state, and find_load completes the search. */
+/* Finds the load for an approach at which find_load does not converge. The secant method changes
+ * the load until the error of the approach is small compared with the film. Each solution of the
+ * secant method starts from trained states. Then find_load completes the search. */
 static ehd_status walk_to_approach(reduced_info *info, reduced_march *self, contact_frame *frame,
                                    ehd_error *error) {
     // `near`: error of the approach from which on find_load takes over, in central films.
@@ -561,7 +576,8 @@ static double entrain(const reduced_march *self, size_t node) {
     return -row.residual;
 }
 
-/* Prepares the base after its state is set. Previous states are then relative to the base. */
+/* Prepares the base after its state is set. Previous states are then stored as differences from the
+ * base. */
 static ehd_status use_base(void *solver, ehd_error *error) {
     reduced_march *self = solver;
     const reduced_model *model = self->model;
@@ -606,7 +622,8 @@ static void add_local(reduced_march *self, const contact_scalars *scalars,
     time_indicator_add_local(&self->indicator, errors, scalars, then, now);
 }
 
-/* Sets the error estimates of the outcome from the indicator's errors of the attempt. */
+/* Sets the error estimates of the outcome from the errors that the indicator has computed for the
+ * attempt. */
 static void set_indicated(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
     const time_indicator *indicator = &self->indicator;
     const film_factors *factors = &self->of_films;
@@ -704,7 +721,8 @@ static void add_times(double *target, double factor, const double *source, size_
     axpy(target, factor, source, count);
 }
 
-/* Extrapolates coordinates and needed values from the accepted states. Keeps the last exits. */
+/* Extrapolates the coordinates and the values at the needed nodes from the accepted states. Keeps
+ * the exits of the last state. */
 static void predict(reduced_march *self) {
     const reduced_model *model = self->model;
     previous_film *next = state_before(self, 0);
@@ -724,7 +742,7 @@ static void predict(reduced_march *self) {
         add_times(values->pressure, factor, previous->values.pressure, model->rows.num_needed);
         add_times(values->cut, factor, previous->values.cut, model->cut.num_rows);
         if (previous->values.checkpoint != values->checkpoint && factor != 0)
-            values->checkpoint = model->checkpoints.num; // no checkpoint
+            values->checkpoint = model->checkpoints.num; // this value means: no checkpoint
     }
 }
 
@@ -744,7 +762,8 @@ static void masses_at(double *mass, const previous_film *const *films, size_t nu
                              &self->reference);
 }
 
-/* Returns the weighted sum of a BDF formula. The function dot() is made for longer vectors. */
+/* Returns the weighted sum over the states of a BDF formula. The function does not call dot(),
+ * which is made for longer vectors. */
 static double history_sum(const double *weights, const double *values, size_t count) {
     double sum = 0;
 
@@ -753,8 +772,10 @@ static double history_sum(const double *weights, const double *values, size_t co
     return sum;
 }
 
-/* Computes the previous states' part of the squeeze term at the rows' nodes, [num_rows]. `masses`,
- * [BDF_PREVIOUS, num_rows]: rho H of each state; NULL if not needed. */
+/* Computes the part of the squeeze term that the previous states contribute at the rows' nodes.
+ * `sum`, [num_rows]: this part; with transport along the path it includes the entrainment of the
+ * base. `masses`, [BDF_PREVIOUS, num_rows]: rho H of each state; NULL: the caller does not need rho
+ * H. */
 static void sum_at_rows(double *sum, double *const *masses, const reduced_march *self,
                         const contact_frame *frame, double entrainment) {
     const reduced_model *model = self->model;
@@ -774,7 +795,7 @@ static void sum_at_rows(double *sum, double *const *masses, const reduced_march 
 }
 
 /* Prepares an accepted state as a previous state of the next steps. With transport along the path
- * it applies the fraction `share` of the filter. */
+ * the function applies the fraction `share` of the filter. */
 static void prepare(void *solver, size_t place, double share) {
     reduced_march *self = solver;
     previous_film *film = &self->states[place];
@@ -872,7 +893,8 @@ static double hertz_density(const ehd_contact *contact, double x) {
                              contact->hertz_pressure * sqrt(fmax(1 - x * x, 0)));
 }
 
-/* Computes bdf_march_missed on the way to the centre. The attempt's state must be prepared. */
+/* Computes the difference of bdf_march_missed at the places of the way to the centre. The state of
+ * the attempt must be prepared. */
 static void miss_on_the_way(reduced_march *self) {
     error_estimate *estimate = &self->estimate;
 
@@ -911,8 +933,8 @@ static double error_on_the_way(void *solver) {
             fmax(self->bdf.entrainment, 1));
 }
 
-/* Marks the rows before the exit. With transport along the path it also computes the local errors
- * on the way to the centre. */
+/* Marks the rows before the exit. With transport along the path, the function also computes the
+ * local errors on the way to the centre. */
 static void mark(void *solver) {
     reduced_march *self = solver;
     const bdf_masses *masses = &self->bdf.masses;
@@ -1003,8 +1025,9 @@ static void indicate(march_step *outcome, reduced_march *self, const ehd_contact
 
 /* Returns whether a step whose exit did not settle is repeated with a shorter step. */
 static bool shorter_may_settle(const reduced_march *self) {
-    // Ratio of the lengths of this and the previous step, above which the step is repeated. In
-    // scenes/examples/line-in-time all exits settle, so no step reaches this limit.
+    // Ratio of the length of this step to the length of the previous step. Above this limit the
+    // step is repeated. In scenes/examples/line-in-time all exits settle, so no step reaches this
+    // limit.
     const double much_shorter = 0.05;
     const size_t *index = self->bdf.ring.place;
 
@@ -1140,10 +1163,12 @@ static bool same_exits(const reduced_state *a, const reduced_state *b, const red
                   model->band.num_lines * sizeof(size_t)) == 0;
 }
 
-/* Returns whether to keep the factors for the next step. Keeping them longer saves no time. */
+/* Returns whether to keep the factors for the next step, judged by the convergence of this step.
+ * Keeping the factors longer does not save time. */
 static bool factors_are_current(const reduced_march *self, const reduced_state *solved) {
     // Largest number of iterations of a step after which the factors are kept. A model of
-    // scenes/examples/line-in-time takes 234 iterations with 1, 255 with 3, and 279 with 10.
+    // scenes/examples/line-in-time takes 255 iterations in all if this number is 3. The model takes
+    // 234 iterations if this number is 1, and 279 if this number is 10.
     const size_t max_iterations = 3;
 
     return self->factors.valid && !self->info.own_jacobian &&
@@ -1217,8 +1242,8 @@ reduced_state reduced_march_state_before(const reduced_march *self, size_t steps
     return found->state;
 }
 
-/* Fills `given` with pressure, film and exits of a state, but not with its frame. `given->exits`
- * may be NULL. */
+/* Fills `given`, from which another model can take a state, with pressure, film, approach and exits
+ * of the state. Does not set the frame of `given`. `given->exits` may be NULL. */
 static void give(handed_state *given, const void *solver, size_t place) {
     const reduced_march *self = solver;
     const reduced_state *state = &self->states[place].state;
@@ -1246,8 +1271,8 @@ double reduced_march_outside(const reduced_march *self, const contact_frame *fra
     return trained_range_outside(self->range, self->range_memory, contact_place_of(&contact));
 }
 
-/* Computes the mean difference between the film of a handed state and the film of its projection,
- * weighted by the pressure. */
+/* Computes the mean difference, weighted by the pressure, between two films: the film of a state
+ * from another model, and the film of the projection of this state. */
 static ehd_status mean_lift(double *lift, const reduced_march *self, const handed_state *state,
                             const reduced_state *projected, ehd_error *error) {
     const size_t num_nodes = self->model->grid.num_nodes;
@@ -1267,9 +1292,11 @@ static ehd_status mean_lift(double *lift, const reduced_march *self, const hande
     return EHD_OK;
 }
 
-/* Projects a handed state on the modes, with the nearest exits that the model has. The approach is
- * set so that the mean film stays the same. Otherwise pressure outside of the modes would lift or
- * lower the whole film. Errors: EHD_MEMORY. */
+/* Projects a state from another model on the modes. Computes the coordinates of the pressure in the
+ * orthonormal modes and, for an independent basis, the coordinates of the deflection. Sets the
+ * exits to the nearest exits that this model has. Sets the approach so that the mean film stays the
+ * same. Otherwise the pressure that the modes do not represent would lift or lower the whole film.
+ * Errors: EHD_MEMORY. */
 static ehd_status project(reduced_state *target, const reduced_march *self,
                           const handed_state *state, ehd_error *error) {
     const reduced_model *model = self->model;

@@ -88,10 +88,11 @@ const char *reduced_march_check_range(const reduced_march *self, const contact_f
 /* Returns trained_range_outside for the contact in a frame. */
 double reduced_march_outside(const reduced_march *self, const contact_frame *frame);
 
-/* Takes over the error estimates of the films from the march whose states were taken over, and
- * converts them to the error factors of this model. `from`: this march; NULL: the full model, whose
- * films have no estimates. `change`, [NUM_ERROR_PLACES]: error of H that taking over the last state
- * has caused, which is added to the estimates. */
+/* Takes over the error estimates of the films from another march, after the states of that march
+ * were taken over. Converts the estimates to the error factors of this model. `from`: the other
+ * march; NULL: the states are from the full model, whose films have no estimates. `change`,
+ * [NUM_ERROR_PLACES]: error of H that taking over the last state has caused. This error is added to
+ * the estimates. */
 void reduced_march_take_indicated(reduced_march *self, const reduced_march *from,
                                   const double *change);
 

@@ -16,12 +16,14 @@ struct reduced_tangent {
     row_system system;
     exit_search exits;
     reduced_state state; // state at which the equations are linearised
-    bool with_cell;      // true: the least squares have a row for the cell of the exit
+    bool with_cell;      // true: the exit lies within the cell of a node, and the least squares
+                         // have a row for this cell
     bool at_place;       // true: the exit of the solution is a node; the flux determines where in
                          // the cell behind this node the exit lies
     size_t num_rows;
     double *rights;       // [2, system_max_rows] right sides at -distance/2 and +distance/2
-    double *along, *slow; // [num_unknowns] results of reduced_tangent_along and _slow
+    double *along, *slow; // [num_unknowns] results of reduced_tangent_along and
+                          // reduced_tangent_slow
     double *coordinates;  // [num_unknowns] work memory
     arena memory;
 };

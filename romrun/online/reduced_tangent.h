@@ -37,7 +37,7 @@ ehd_status reduced_tangent_at(
 typedef struct reduced_change {
     const double *coordinates; // [num_unknowns] owned by the tangent, valid until the next call of
                                // the function that has filled it
-    double exit_offset; // change of the exit within its cell, grid steps; 0 if exits are nodes
+    double exit_offset; // change of the exit within its cell, in grid steps; 0 if exits are nodes
 } reduced_change;
 
 /* Computes the change dz of the solution per unit of a parameter: (J^T J) dz = -J^T dr. `beside`:

@@ -176,11 +176,11 @@ static size_t node_with_flux(exit_query *query, double flux, size_t node, size_t
 }
 
 /* Finds the exit of a stationary line contact within the window, and returns it. A negative
- * pressure moves the exit upstream, a negative multiplier at the exit moves it downstream. In both
- * cases it moves to the first node, counted from the negative value on, at which the film alone
- * carries the flux. If the exit moved to the negative pressure itself, some iterations would end
- * with an exit ten nodes too far upstream, with all signs right (scenes/studies/stationary-line:
- * minimum film 1 % off). */
+ * pressure moves the exit upstream. A negative multiplier at the exit moves the exit downstream. In
+ * both cases the exit moves to the first node, counted from the negative value on, at which the
+ * film alone carries the flux. If the exit moved to the negative pressure itself, some iterations
+ * would end with an exit ten nodes too far upstream, where all signs are right
+ * (scenes/studies/stationary-line: minimum film 1 % off). */
 static size_t find_by_flux(exit_query *query) {
     const reduced_model *model = query->search->model;
     const band_line *band = &model->band.lines[0];
@@ -228,7 +228,8 @@ static size_t find_by_signs(exit_query *query, size_t line) {
 }
 
 /* Computes P and H at the band nodes that the rows at the exits of each grid line and of the
- * neighbouring lines need. P is the uncut pressure in the whole window, also behind the exit. */
+ * neighbouring lines need. P is computed in the whole window. Behind the exit, P is the pressure of
+ * the modes before it is set to zero. */
 static void expand_around(exit_query *query) {
     const reduced_model *model = query->search->model;
     const size_t *exits = query->nodes->exit;
@@ -255,7 +256,8 @@ static void expand_around(exit_query *query) {
     }
 }
 
-/* Checks whether a grid line is searched: inner lines `spacing` apart, and the last inner line. */
+/* Checks whether the exit is searched for on a grid line. The search covers inner lines at
+ * distances of `spacing`, and the last inner line. */
 static bool is_searched(const exit_search *self, size_t line) {
     const ehd_grid *grid = &self->model->grid;
     size_t spacing = (size_t)(self->spacing / grid->step);
@@ -284,7 +286,8 @@ static void interpolate_exits(size_t *exits, const exit_search *self) {
     }
 }
 
-/* Sets self->wanted to the nodes where the exits should be; lines not searched keep their exit. */
+/* Sets self->wanted to the nodes where the exits should be. On grid lines that are not searched,
+ * self->wanted is the present exit. */
 static void find_exits(exit_query *query) {
     exit_search *self = query->search;
     const reduced_model *model = self->model;

@@ -17,8 +17,9 @@ enum { NUM_NEIGHBOURS = 24 };
 
 /* Largest number of other starts that are tried after the first one. In 434 of 482 random scenes
  * inside the trained range of the lower region (scenes/studies/silent-failures, seed 42) the first
- * start leads to the solution, in 38 one of the next eleven, and in 5 one of the twelve after them.
- * A start that leads to no solution takes 38 iterations (test_guess.c, goes_on_to_other_starts). */
+ * start leads to the solution. In 38 more scenes one of the next eleven starts leads to the
+ * solution, and in 5 more scenes one of the twelve starts after these. A start that leads to no
+ * solution takes 38 iterations (test_guess.c, goes_on_to_other_starts). */
 enum { MAX_STARTS = 11 };
 
 /* Coordinates of a trained solution relative to the contact to be solved: the differences of
@@ -143,7 +144,8 @@ static size_t nearest_states(neighbour *nearest, const reduced_states *states,
         if (!is_start(states, s, any)) continue;
         if (effect != ANY_EFFECT && isnan(states->effects[s].of[effect])) continue;
         neighbour fresh = place_of_state(states, s, here);
-        // the state is too far away with any lubricant: skips the slow comparison
+        // the state is too far away even with the same lubricant, so the comparison of the
+        // lubricants, which takes most of the time, is skipped
         if (count == NUM_NEIGHBOURS && fresh.distance >= nearest[count - 1].distance &&
             (!others || *others))
             continue;
@@ -277,7 +279,8 @@ static bool find_differences(bool differs[NUM_COORDINATES], const neighbour *nea
     return any;
 }
 
-/* Finds the first accepted fit and its weights. Returns its number of neighbours; 0: no fit. */
+/* Finds the first fit that fit_weights accepts, and its weights. Returns the number of neighbours
+ * that this fit uses. Returns 0 if no fit is accepted. */
 static size_t first_fit(double *weights, const neighbour *nearest, size_t count,
                         const neighbour_fit fits[NUM_FITS], const bool *differs) {
     for (int f = 0; f < NUM_FITS; f++) {
@@ -287,8 +290,8 @@ static size_t first_fit(double *weights, const neighbour *nearest, size_t count,
     return 0;
 }
 
-/* Finds the weights of the best fit through `count` neighbours, at least one. If no fit is
- * accepted, the nearest neighbour alone is used. Returns the number of neighbours in use. */
+/* Finds the weights of the best fit through `count` neighbours, where `count` is at least 1. If no
+ * fit is accepted, the nearest neighbour alone is used. Returns the number of neighbours in use. */
 static size_t best_weights(double *weights, const neighbour *nearest, size_t count) {
     const bool none[NUM_COORDINATES] = {false};
     bool differs[NUM_COORDINATES];
@@ -308,7 +311,8 @@ void reduced_guess(reduced_state *state, const reduced_model *model, contact_pla
     double weights[NUM_NEIGHBOURS];
     size_t states[NUM_NEIGHBOURS];
 
-    // tries the same lubricant first, since the effect of another lubricant is not linear
+    // first tries the states of the same lubricant, because the effect of a different lubricant is
+    // not linear
     bool others = false;
     size_t count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, &others);
     const bool differs[NUM_COORDINATES] = {
@@ -316,7 +320,8 @@ void reduced_guess(reduced_state *state, const reduced_model *model, contact_pla
         [ALONG_GRADIENT] = do_differ(nearest, count, ALONG_GRADIENT)};
     if (!fit_weights(weights, nearest, count, &FITS[0], differs)) {
         if (others) count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, NULL);
-        // the lubricant has no viscosity at any state's pressure: uses all lubricants
+        // the contact's lubricant has no viscosity at the pressure of any state: uses states of all
+        // lubricants
         if (count == 0) {
             wanted_place of_any = here;
             of_any.lubricant = NULL;

@@ -55,8 +55,8 @@ least_squares *least_squares_create(size_t max_rows, size_t num_columns) {
 }
 
 /* Scales the columns to unit norm and computes the lower part of their Gram matrix. Zero columns
- * get the scale zero. Columns that are not finite get the scale NaN, so that no solution is found;
- * with the scale zero the other columns would still have a solution. */
+ * get the scale zero. Columns that are not finite get the scale NaN, so that no solution is found.
+ * With the scale zero for these columns, the other columns would still have a solution. */
 static void scaled_gram(least_squares *self, const double *matrix, size_t num_rows) {
     size_t n = self->num_columns;
 

@@ -23,7 +23,8 @@ struct reduced_solver {
     kept_factors kept;        // factors of the Jacobian of an earlier time step
     kept_factors near;        // factors of a Jacobian near the present solution
     const kept_factors *used; // factors that the last solution used; NULL: new Jacobians
-    double remaining;         // estimated change by a next step over the change by the last step
+    double remaining;         // estimated change that a next step causes, divided by the change
+                              // that the last step caused
     size_t num_solutions;
     size_t num_factors; // number of Jacobians that were factorised to be kept
     reduced_observer *observer;
@@ -175,14 +176,15 @@ static ehd_status observe(reduced_solver *self, ehd_error *error) {
 /* MAX_PRESSURE_CHANGE: largest change of the pressure in one iteration, Hertz pressures.
  * MIN_FILM_LEFT: fraction of the smallest film that must remain after an iteration. A step that
  * exceeds one of these limits is damped. Measured by solving each of twelve trained contacts from
- * the solution of each other one: a MAX_PRESSURE_CHANGE of 0.3 finds all solutions in 850
- * iterations, 0.1 misses four (863 iterations), 1 misses two (893 iterations). A MIN_FILM_LEFT of
- * up to 0.5 changes nothing (test_reduced_solver.c, any_trained_solution_leads_to_any_other). */
+ * the solution of each other contact. With a MAX_PRESSURE_CHANGE of 0.3 all solutions are found, in
+ * 850 iterations. With 0.1 four solutions are not found, in 863 iterations. With 1 two solutions
+ * are not found, in 893 iterations. A MIN_FILM_LEFT of up to 0.5 changes nothing
+ * (test_reduced_solver.c, any_trained_solution_leads_to_any_other). */
 static const double MAX_PRESSURE_CHANGE = 0.3;
 static const double MIN_FILM_LEFT = 0.2;
 
 /* Returns the damping factor of a step, from the changes of P and H at the needed nodes. *change:
- * largest change of P by the undamped step. */
+ * largest change of P that the undamped step causes. */
 static double damping(double *change, node_state *nodes, const double *step) {
     size_t num_needed = nodes->model->rows.num_needed;
     const double *film = nodes->now.film;
@@ -229,13 +231,15 @@ static iterate take_step(reduced_state *state, reduced_solver *self, const itera
 }
 
 /* The iteration has converged if the next iteration would change P by less than this limit, Hertz
- * pressures. Sixty contacts around scenes/examples/line take 258 iterations both with 1e-4 and with
- * 1e-2. With 1e-6 they take 282, and the films change by less than 1e-10. */
+ * pressures. Sixty contacts around scenes/examples/line take 258 iterations with a limit of 1e-4
+ * and with a limit of 1e-2. With a limit of 1e-6 they take 282 iterations, and the films change by
+ * less than 1e-10. */
 static const double PRESSURE_TOLERANCE = 1e-4;
 
-/* Returns the estimated change by the next iteration, divided by the change by this iteration: the
- * square of the observed rate, as for quadratic convergence. Near the solution Gauss-Newton
- * converges only linearly, which is slower only where the rate is small. */
+/* Returns the change that the next iteration is estimated to cause, divided by the change that this
+ * iteration has caused. Convergence is taken as quadratic, so this ratio is the square of the
+ * observed rate. Near the solution Gauss-Newton converges only linearly, so the next change is
+ * larger than this estimate. But this happens only where the rate is small. */
 static double next_rate(const iterate *now) {
     const double rate = fmin(now->rate, 1);
 
@@ -253,8 +257,8 @@ static bool converged(const iterate *before, const iterate *now, double toleranc
 }
 
 /* Sets the exit line of the first iteration. The exit line of a stationary start comes from a fit
- * to other contacts. If the exits of a point contact are searched on all grid lines, moving this
- * exit line to fit the initial pressures saves iterations. */
+ * to other contacts. For a point contact whose exits are searched on all grid lines, iterations are
+ * saved if this exit line is first moved so that it fits the initial pressures. */
 static void start_exits(reduced_solver *self, reduced_state *state, const ehd_contact *contact,
                         const reduced_squeeze *squeeze) {
     exits_watch(&self->exits, squeeze != NULL);
@@ -300,10 +304,11 @@ static void join_nodes(reduced_state *state, reduced_solver *self, size_t exit) 
     }
 }
 
-/* Runs the algorithm of Maier et al. (2015), section 3. In a transient run, after an iteration that
- * changes the pressure by less than exits_near_change, the function tries to finish with one more
- * Jacobian (end_near). The outcome is info->status. The function returns an error only if the
- * observer or memory fails. */
+/* Runs the algorithm of Maier et al. (2015), section 3: Gauss-Newton on the weighted least squares
+ * of the selected rows. Each iteration also adapts the exit line. In a transient run the function
+ * tries once to finish with only one more Jacobian (end_near). The function tries this after the
+ * first iteration that changes the pressure by less than exits_near_change. The outcome is
+ * info->status. The function returns an error only if the observer fails or there is no memory. */
 static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                                const ehd_contact *contact, const reduced_squeeze *squeeze,
                                ehd_error *error) {
@@ -388,13 +393,14 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
  * kept_factors_serve_steps_alike). */
 static const double MAX_KEPT_RATE = 0.5;
 
-/* Limits of the change of P in one iteration with kept factors (L2 norm, from the coordinates
- * alone). MAX_KEPT_CHANGE: an iteration with a larger change would need damping. KEPT_TOLERANCE:
- * tolerance of the change. The line contact under a load of period 1/2
- * (scenes/studies/transient-load) takes 370 iterations with new Jacobians and 1768 with kept
- * factors. With a MAX_KEPT_CHANGE of 2e-3 these numbers are 685 and 1143, and the march takes 22 %
- * more instructions. scenes/examples/line-in-time takes 255 iterations with a KEPT_TOLERANCE of
- * 7e-6, and 328 with 7e-7. With 7e-5 its film changes by 4e-4. */
+/* Limits of the change of P in one iteration with kept factors. The change is an L2 norm, which
+ * follows from the coordinates and does not depend on the grid. MAX_KEPT_CHANGE: an iteration with
+ * a larger change would need damping. KEPT_TOLERANCE: tolerance of the change. The line contact
+ * under a load of period 1/2 (scenes/studies/transient-load) takes 370 iterations with new
+ * Jacobians and 1768 with kept factors. With a MAX_KEPT_CHANGE of 2e-3 these numbers are 685 and
+ * 1143, and the march takes 22 % more instructions. scenes/examples/line-in-time takes 255
+ * iterations with a KEPT_TOLERANCE of 7e-6, and 328 with 7e-7. With a KEPT_TOLERANCE of 7e-5 the
+ * film of this example changes by 4e-4. */
 static const double MAX_KEPT_CHANGE = 2e-2, KEPT_TOLERANCE = 7e-6;
 
 /* Factorises the Jacobian at the state at which the rows have been evaluated. */
@@ -531,8 +537,9 @@ static bool kept_are_of_use(const reduced_solver *self, const reduced_squeeze *s
            self->kept.rate * (1 - MAX_KEPT_RATE) <= squeeze->rate;
 }
 
-/* Tries the kept factors, if they are of use. If this iteration converges too slowly, tries factors
- * of the Jacobian at the state reached. The last resort is new Jacobians from the initial state. */
+/* Iterates with the kept factors, if they are of use. If this iteration converges too slowly,
+ * iterates with factors of the Jacobian at the state reached. If no iteration with factors
+ * converges, starts again from the initial state with new Jacobians. */
 static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver *self,
                         const ehd_contact *contact, const reduced_squeeze *squeeze,
                         ehd_error *error) {

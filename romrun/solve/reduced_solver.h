@@ -26,10 +26,12 @@ typedef struct reduced_settings {
     double tolerance;
     size_t max_iterations; // default 40
     // distance between the grid lines of a point contact on which the exit is searched for, half
-    // widths; other exits are interpolated (Maier et al. (2015), section 3.3). Default 0: all
-    // lines, since interpolation needs more iterations and saves no time
+    // widths. The exits of the other lines are interpolated (Maier et al. (2015), section 3.3). 0,
+    // the default: all lines are searched, since interpolation needs more iterations and saves no
+    // time.
     double exit_spacing;
-    bool exit_at_node; // true: each exit is a node (transient runs); false: see exit_is_within_node
+    bool exit_at_node; // true: each exit is a node, as in transient runs; false: an exit may lie
+                       // between nodes (exit_is_within_node)
     reduced_linear_solver *solve_linear; // NULL: least_squares_solve
     void *linear_context;
 } reduced_settings;
@@ -145,16 +147,16 @@ void reduced_row_values(double *pressure, double *mass, const reduced_solver *so
 
 /* Factorises the Jacobian at a state and keeps the factors for later time steps. With a squeeze
  * term, reduced_solve then iterates with the kept factors first, and computes new Jacobians only if
- * that iteration fails. With kept factors the result differs by the product of the remaining
- * residual and the change of the Jacobian. The factors depend on the arguments alone, so they can
- * be computed again. */
+ * that iteration fails. The kept factors change the result by the product of the remaining residual
+ * and the change of the Jacobian. The factors depend on the arguments alone, so the same factors
+ * can be computed again. */
 void reduced_keep_factors(reduced_solver *solver, const reduced_state *state,
                           const ehd_contact *contact, double rate);
 void reduced_drop_factors(reduced_solver *solver);
 
-/* Keeps the factors with which the last solution ended (info.near_factors). Returns the state of
- * their Jacobian, from which reduced_keep_factors computes the same factors. The state is valid
- * until the next solution. */
+/* Keeps the factors with which the last solution ended (info.near_factors). Returns the state at
+ * which their Jacobian was evaluated. From this state, reduced_keep_factors computes the same
+ * factors. The state is valid until the next solution. */
 const reduced_state *reduced_take_factors(reduced_solver *solver);
 
 #endif

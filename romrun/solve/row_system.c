@@ -194,8 +194,9 @@ static inline void add_some_rows(double *restrict target, const double *factors,
     }
 }
 
-/* Adds the basis rows at the nodes of a line contact's stencil, times `factors`. A loop over always
- * six nodes would take 4.5 % more instructions for a solution with the published discretisation. */
+/* Adds the basis rows at the nodes of a line contact's stencil, times `factors`. The loop includes
+ * only the nodes that the stencil has. A loop that always has six nodes would take 4.5 % more
+ * instructions for a solution with the published discretisation. */
 static inline void add_rows(double *restrict target, const double factors[NUM_LINE_STENCIL],
                             const double *const sources[NUM_LINE_STENCIL], bool wide,
                             size_t count) {
@@ -205,8 +206,9 @@ static inline void add_rows(double *restrict target, const double factors[NUM_LI
         add_some_rows(target, factors + 1, sources + 1, NUM_LINE_STENCIL - 2, count);
 }
 
-/* Adds the basis rows at the nodes of a point contact's stencil, times `factors`. Leaves out zero
- * factors: with transport along the path, five of ten factors of the pressures are zero. */
+/* Adds the basis rows at the nodes of a point contact's stencil, times `factors`. Leaves out rows
+ * with a factor of zero. With transport along the path, five of the ten factors of the pressures
+ * are zero. */
 static inline void add_listed_rows(double *restrict target, const double factors[NUM_STENCIL],
                                    const double *const sources[NUM_STENCIL], int size,
                                    size_t count) {

@@ -22,8 +22,8 @@ typedef struct row_system {
     double *about;           // [num_needed] pressures that system_about returns
     contact_closure closure; // closure at the state, including the load beyond the grid
     size_t num_active;       // number of rows before the exit
-    size_t num_cells;        // 1: the exit lies between two nodes, and its cell's row is the last
-                             // one; 0: the exit is a node
+    size_t num_cells;        // 1: the exit lies between two nodes, and the row of its cell is the
+                             // last row; 0: the exit is a node
     size_t *active;          // [rows of the model] indices of the rows before the exit
     double *matrix;          // [system_max_rows, num_unknowns]
     double *right;           // [system_max_rows]
@@ -34,13 +34,14 @@ typedef struct row_system {
     size_t flux_row;         // row of the model at which the flux is taken
     least_squares *factors;
     // Work array for the update of the Jacobian to the present exit (eq. 36 of Maier et al.
-    // (2015)). Coupled basis, [rows + 1, CUT_BLOCK]: left factors for active rows and load.
-    // Independent basis, [CUT_BLOCK, rows of the cut table + num_pressure]: factors for the cut
-    // table.
+    // (2015)). For a coupled basis, [rows + 1, CUT_BLOCK]: left factors of the updates of the
+    // active rows and of the load. For an independent basis, [CUT_BLOCK, rows of the cut table +
+    // num_pressure]: factors of the updates of the cut table.
     double *block;
-    double *block_right; // coupled: [CUT_BLOCK, num_pressure] right factors of the updates
-    double *cut;         // independent: [rows of the cut table, num_pressure] at cut_exit
-    size_t *cut_exit;    // [num_lines] exit line of `cut`; 0: not computed yet
+    double *block_right; // coupled basis, [CUT_BLOCK, num_pressure]: right factors of the updates
+    double *cut;         // independent basis, [rows of the cut table, num_pressure]: cut table for
+                         // the exit line cut_exit
+    size_t *cut_exit;    // [num_lines] exit line of `cut`; 0: `cut` has not been computed yet
 } row_system;
 
 /* Initialises with memory from an arena. The factors allocate their own memory. The model must
@@ -52,8 +53,8 @@ void system_free(row_system *self);
 size_t system_max_rows(const reduced_model *model);
 
 /* Evaluates the closure and the rows before the exit, with their derivatives, at the state that
- * `nodes` holds, into self->rows. If `about`, [num_needed], is not NULL, the rows are evaluated at
- * these pressures and extrapolated linearly to the pressures of the state. */
+ * `nodes` holds. Stores the rows in self->rows. If `about`, [num_needed], is not NULL, evaluates
+ * the rows at these pressures and extrapolates them linearly to the pressures of the state. */
 void system_evaluate(row_system *self, const node_state *nodes, double rigid_approach,
                      const ehd_contact *contact, const reduced_squeeze *squeeze,
                      const double *about);
@@ -67,9 +68,9 @@ double system_flow_doubt(row_system *self, const node_state *nodes, double rigid
  * - `last` not NULL: [num_needed] pressures of the state of the last time step, not set to zero
  *   behind the exit. Returns at each node the higher pressure of `last` and of the state in
  *   `nodes`.
- * - `last` NULL: call it after system_evaluate. Where the pressure has risen, returns the pressure
- *   of the state. Where it has fallen, returns the pressure with the mobility of the linearised
- *   rows. */
+ * - `last` NULL: call the function after system_evaluate. Where the pressure has risen, returns the
+ *   pressure of the state. Where it has fallen, returns the pressure with the mobility of the
+ *   linearised rows. */
 const double *system_about(row_system *self, const node_state *nodes, double rigid_approach,
                            const ehd_contact *contact, const double *last);
 

@@ -22,7 +22,7 @@ typedef struct solved_system {
     const double *matrix; // [num_rows, num_unknowns] D J, of this or of an earlier step
     least_squares *factors;
     const double *right, *step; // [num_rows] D f before the last step; [num_unknowns] the last step
-    // estimated change by a next step, divided by the change by the last step
+    // estimated change that a next step causes, divided by the change that the last step caused
     double remaining;
     const double *offset; // [num_unknowns] gradient of the exit's offset within its cell;
                           // NULL: exits are nodes

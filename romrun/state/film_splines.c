@@ -489,8 +489,8 @@ static void add_cut(double *sum, const previous_film *self, size_t line, size_t 
     *(vector *)sum += total;
 }
 
-/* Returns values and curvatures of a state at a node. `cut`: state whose deflection by add_cut is
- * added, or NULL. */
+/* Returns values and curvatures of a state at a node. `cut`: state whose deflection from add_cut is
+ * added; NULL: no deflection is added. */
 static const double *sums_at(const node_sums *self, const previous_film *cut, size_t line,
                              size_t column, const film_splines *splines) {
     const spline_layout *layout = self->layout;
@@ -505,7 +505,7 @@ static const double *sums_at(const node_sums *self, const previous_film *cut, si
     return sum;
 }
 
-/* Evaluates a state's spline at a point, without the nodes whose weights are zero. */
+/* Evaluates a state's spline at a point. Skips the nodes whose weights are zero. */
 static double evaluate(const node_sums *self, const previous_film *cut, const spline_point *along,
                        const spline_point *across, const film_splines *splines) {
     const bool line_contact = self->layout->num_lines == 1;
@@ -526,7 +526,9 @@ static double evaluate(const node_sums *self, const previous_film *cut, const sp
     return sum;
 }
 
-/* Returns uncut P; with `path`, P of the base plus the change that the filtered modes describe. */
+/* Returns P as the sum of the modes, without setting P to zero behind the exit. With transport
+ * along the path (`path` not NULL) the result is P of the base state plus the change that the
+ * filtered modes describe. */
 static double uncut_pressure(const previous_film *self, const spline_point *along,
                              const spline_point *across, const film_splines *splines,
                              const path_films *path) {

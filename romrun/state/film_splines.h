@@ -2,9 +2,9 @@
 /* Computes film and pressure of previous reduced states at any point, at a cost independent of the
  * grid (romrun/online/README.md, In time). Cubic splines of all modes are made once. The spline of
  * a state is their sum, weighted by the coordinates of the state. The splines hold for modes that
- * are cut at cut_exits (fields.h). Splines of the kernel therefore add the deflection by the
- * pressures between cut_exits and the exit line of the state.
- * Called by romrun/online for each step, and by snapgen/residuals.c. */
+ * are cut at cut_exits (fields.h). Splines of the kernel therefore add the deflection that the
+ * pressures between cut_exits and the exit line of the state cause. Called by romrun/online for
+ * each step, and by snapgen/residuals.c. */
 #ifndef EHD_FILM_SPLINES_H
 #define EHD_FILM_SPLINES_H
 
@@ -15,13 +15,14 @@
 #include "romrun/state/reduced_state.h"
 #include <stdbool.h>
 
-/* Layout of a table of natural cubic splines of `width` functions on a grid. At each node the table
- * has the values and their curvatures along x (second derivatives times step^2 / 6). For a point
- * contact (tensor products) it also has the curvatures along y of both. All distances are numbers
- * of doubles in the table. */
+/* Layout of a table of natural cubic splines of `width` functions on a grid. For a point contact
+ * the splines are tensor products. At each node the table has the values and their curvatures along
+ * x (second derivatives times step^2 / 6). For a point contact it also has the curvatures along y,
+ * of the values and of their curvatures along x. All distances are numbers of doubles in the
+ * table. */
 typedef struct spline_layout {
     size_t num_columns, num_lines, width;
-    bool even_x, even_y;             // true: functions mirrored at the first column, first line
+    bool even_x, even_y;             // mirrored at the first column (even_x) or line (even_y)
     size_t column, line;             // distances to the next column and to the next line
     size_t x_curvature, y_curvature; // distances from a value to its curvatures along x and y
 } spline_layout;
@@ -29,14 +30,14 @@ typedef struct spline_layout {
 /* Tables by node, which do not change after they are made. The memory grows with the number of
  * nodes: 90 MB for a half grid of a point contact, with 129 nodes on a grid line and 120 modes. */
 typedef struct film_splines {
-    ehd_grid grid; // the model's grid plus `margin` columns before the inlet and side lines
+    ehd_grid grid; // the model's grid, widened before the inlet (`margin` columns) and at the sides
     size_t margin;
     size_t side;          // number of lines before the model's first line
     spline_layout layout; // layout of `film`
     double *film;         // [num_nodes of grid, 2 or 4, width] coupled: deflection of the pressure
                           // modes cut at fields.cut_exits
     spline_layout kernel_layout;
-    double *kernel; // [lines, columns, 2 or 4] by distance; half grid: twice the lines (mirrored)
+    double *kernel; // [lines, columns, 2 or 4] by distance; twice the lines for mirrored half grids
     spline_layout pressure_layout;
     double *pressure;   // [num_nodes of the model, 2 or 4, num_pressure] uncut
     field_modes fields; // modes on the whole grid; coupled: their deflections are in `film`
@@ -62,7 +63,8 @@ struct previous_film;
 
 /* Additional data for transport along the path of the fluid (common/time/README.md, Along the
  * path). The base is the initial state. Only the differences of the states from the base are
- * carried. The film of the base, common to all steps, is summed over the modes only once. */
+ * carried. All steps have the same base, so the film of the base is summed over the modes only
+ * once. */
 typedef struct path_films {
     double *film,
         *pressure;                    // filtered modes; `pressure` is NULL if incompressible
@@ -96,7 +98,8 @@ typedef struct node_sums {
     const double *filtered;            // filtered modes; NULL: no transport along the path
     double share;                      // weight of the filtered table, 0 to 1
     double *sum;                       // [num_nodes of the layout, 2 or 4]
-    size_t *of_state;                  // [num_nodes of the layout] state of the sum; 0: no sum
+    size_t *of_state;                  // [num_nodes of the layout] number of the state whose sum is
+                                       // stored; 0: no sum is stored
     size_t state;                      // number of the present state, from 1 on
 } node_sums;
 
@@ -109,7 +112,7 @@ typedef struct previous_film {
     contact_frame frame;
     reduced_state state;
     reduced_values values;   // values at the needed nodes
-    double *difference;      // [num_unknowns] coordinates minus base; for transport along the path
+    double *difference;      // [num_unknowns] deviation from the base, for transport along the path
     cut_run *runs;           // [num_lines] runs between fields.cut_exits and the state's exit line
     size_t num_cut;          // number of nodes in the runs
     grid_position *cut_node; // [num_cut] nodes of the runs, in the grid of the splines
@@ -117,8 +120,8 @@ typedef struct previous_film {
     node_sums film;          // deflection by the pressures cut at the state's own exits, without H0
     node_sums pressure;      // uncut P; only for compressible lubricants
     // line contacts only:
-    size_t window_begin, window_size;                   // first node and number of nodes
-    double window[EXIT_WINDOW], curvature[EXIT_WINDOW]; // cut P; compressible lubricants only
+    size_t window_begin, window_size;                   // first node and size of the window
+    double window[EXIT_WINDOW], curvature[EXIT_WINDOW]; // cut P; only for compressible lubricants
 } previous_film;
 
 /* Allocates a state of the model. Errors: EHD_MEMORY. */
@@ -154,9 +157,9 @@ double previous_film_thickness(const previous_film *self, size_t node, const red
 double previous_film_pressure(const previous_film *self, size_t node, const reduced_model *model,
                               const film_splines *splines);
 
-/* Like previous_film_masses, but with transport along the path, for states prepared by
- * previous_film_prepare_path. The film of the base is evaluated at the place of the node, the
- * difference from the base at the place where the fluid was at the time of the state. */
+/* Like previous_film_masses, but with transport along the path. The states must have been prepared
+ * by previous_film_prepare_path. The film of the base is evaluated at the node. The difference from
+ * the base is evaluated at the place where the fluid was at the time of the state. */
 void path_film_masses(double *mass, const previous_film *const *films, size_t num_films,
                       size_t node, const contact_frame *now, const reduced_model *model,
                       const film_splines *splines, const path_films *path,

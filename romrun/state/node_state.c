@@ -227,8 +227,9 @@ static double film_around_band(const void *context, size_t node) {
     return minimum_around(&self->nodes->model->grid, node, film_in_band, self);
 }
 
-/* Returns the minimum film around a needed node of a line contact: the minimum of the parabola
- * through the node and its needed neighbours if both are higher, else the film at the node. */
+/* Returns the minimum film around a needed node of a line contact. If the films at both needed
+ * neighbours are larger, the result is the minimum of the parabola through the three nodes.
+ * Otherwise the result is the film at the node. */
 static double film_around(const node_state *self, size_t q) {
     const size_t *node = self->model->rows.needed_node;
     const double *film = self->now.film;

@@ -13,7 +13,8 @@
 /* Pressure and film that belong to reduced coordinates, at the present exit line. */
 typedef struct node_fields {
     reduced_values values;   // values at the exit's checkpoint; not filled if the caller has them
-    double *pressure, *film; // [num_needed] P, zero behind the exit, and H (step: without the gap)
+    double *pressure, *film; // [num_needed] P, zero behind the exit, and H; for a step, H is
+                             // without the gap
     double *cut;             // [rows of the cut table] the cut table times z
 } node_fields;
 
@@ -72,8 +73,9 @@ void nodes_band_films(double *film, const node_state *self, const double *z, siz
                       size_t count);
 double nodes_band_film(const node_state *self, const double *z, size_t node);
 
-/* Adds the sum of factors[i] dH/dz over `count` neighbouring nodes i of one grid line in the band
- * to `target`, [num_unknowns], without the derivative with respect to the rigid approach. */
+/* Adds the sum of factors[i] dH/dz over `count` neighbouring nodes i to `target`, [num_unknowns].
+ * The nodes lie on one grid line in the band. The derivative with respect to the rigid approach is
+ * left out. */
 void nodes_add_band_films(double *target, const double *factors, const node_state *self,
                           size_t node, size_t count);
 
@@ -82,9 +84,9 @@ void nodes_add_band_films(double *target, const double *factors, const node_stat
  * nodes. */
 double nodes_minimum_film(size_t *node, node_state *self, const double *z);
 
-/* Returns a more accurate minimum film than nodes_minimum_film, which must be called first. In dips
- * before the band or at its first nodes it also uses the films at the nodes between the needed
- * nodes, which `film` returns. */
+/* Returns a more accurate minimum film than nodes_minimum_film, which must be called first. For
+ * dips of the film before the band or at the band's first nodes, also uses the films at the nodes
+ * between the needed nodes. `film` returns these films. */
 double nodes_minimum_between(size_t *node, const node_state *self, film_function *film,
                              const void *context);
 

@@ -67,7 +67,8 @@ static double film_at(const node_state *self, const double *z, size_t q, grid_po
     return film;
 }
 
-/* Returns false if the node lies behind the exit. */
+/* Computes pressure and film at a node of the cubature. Returns false if the node lies behind the
+ * exit. */
 static bool expand_node(double *pressure, double *film, const node_state *self, const double *z,
                         size_t q) {
     const row_set *set = &self->model->cubature.nodes;
@@ -82,8 +83,8 @@ static bool expand_node(double *pressure, double *film, const node_state *self, 
 
 /* dP/dX at a node of the cubature, and its derivatives `by` with respect to the pressures at the
  * two neighbours along X. `beside`: indices of the neighbours in the cubature; NO_NODE: the
- * neighbour's pressure is zero. Only thinned flows need the gradient, which changes their shear
- * stress; their models contain the neighbours. */
+ * neighbour's pressure is zero. Only thinned flows need the gradient, because the gradient changes
+ * their shear stress. Models of thinned flows therefore contain the neighbours. */
 typedef struct node_gradient {
     double value;
     size_t beside[2];
@@ -116,14 +117,16 @@ static node_gradient gradient_at(const node_state *self, const double *z, size_t
     return gradient;
 }
 
-/* Checks whether a node of the cubature has a weight. Nodes that are only neighbours have none. */
+/* Checks whether a node of the cubature has a weight in the sums. Nodes that the cubature contains
+ * only as neighbours of other nodes have no weight. */
 static bool has_weight(const node_cubature *cubature, size_t q) {
     return cubature->friction[q] != 0 || cubature->dry[q] != 0;
 }
 
 /* Returns the stress at a node before the exit, and updates the largest stress. Pressures slightly
- * below zero are used as they are: truncated modes have them far out in the inlet, where the full
- * model has pressures slightly above zero and the same properties of the fluid. */
+ * below zero are used as they are: truncated modes have such pressures far out in the inlet, where
+ * the pressures of the full model are slightly above zero. The properties of the fluid are the same
+ * at both pressures. */
 static double stress_at(double *largest, const ehd_contact *contact, double pressure, double film,
                         double gradient) {
     const double stress = contact_shear_stress(contact, pressure, film, gradient);
@@ -135,8 +138,9 @@ static double stress_at(double *largest, const ehd_contact *contact, double pres
 /* The largest shear stress is searched for at nodes whose pressure is at least this fraction of the
  * largest pressure. At other nodes the stress is smaller, because it falls with the pressure more
  * than it rises with a thinner film. The search uses the needed nodes. If the pressure gradient
- * thins the flow, it uses only the nodes of the rows themselves, because only these have both
- * neighbours along X for dP/dX (romrun/solve/README.md, Traction). */
+ * thins the flow, the stress also depends on dP/dX. The search then uses only the nodes of the rows
+ * themselves, because only these nodes have both neighbours along X (romrun/solve/README.md,
+ * Traction). */
 static const double NEAR_LARGEST = 0.7;
 
 static void look_at_needed(double *largest, const node_state *self, const ehd_contact *contact) {

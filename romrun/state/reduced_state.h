@@ -27,8 +27,8 @@ void reduced_state_free(reduced_state *state);
 void reduced_state_copy(reduced_state *target, const reduced_state *source,
                         const reduced_model *model);
 
-/* Return and set the exit line as nodes, [num_lines]. An exit outside of the model's band, as of a
- * training solution without an exit, is moved to the nearest column of the band. */
+/* Return and set the exit line as nodes, [num_lines]. An exit outside of the model's band is moved
+ * to the nearest column of the band. This happens to training solutions without an exit. */
 const size_t *reduced_state_exits(const reduced_state *state);
 void reduced_state_set_exits(reduced_state *state, const reduced_model *model, const size_t *exits);
 

@@ -14,10 +14,11 @@
 
 enum { BLOCK = 32 }; // largest number of quantities whose errors are computed together
 
-/* Changes of a film by an error of 1 in each row. They are valid while gradient and matrix stay the
- * same, with kept factors often over many time steps. */
+/* Changes of a film that an error of 1 in each row causes. They are valid while gradient and matrix
+ * stay the same. With kept factors this is often so for many time steps. */
 typedef struct film_moves {
-    size_t matrix_number; // number of the kept matrix of `moves`; 0: `moves` cannot be used again
+    size_t matrix_number; // number of the kept matrix with which `moves` was computed; 0: `moves`
+                          // cannot be used again
     double *gradient;     // [num_unknowns]
     double *moves;        // [system_max_rows]
 } film_moves;
@@ -89,7 +90,7 @@ static const solved_system *take_solution(functionals *self, reduced_solver *sol
     const solved_system known = *solved;
 
     *solved = reduced_solved_system(solver);
-    if (solved->nodes != known.nodes) // of another solver, which counts its own matrices
+    if (solved->nodes != known.nodes) // another solver, with its own numbers of matrices
         for (int q = 0; q < NUM_REDUCED_FILMS; q++)
             self->films[q].matrix_number = 0;
     else if (solved->solution_number == known.solution_number)

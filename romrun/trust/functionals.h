@@ -31,8 +31,8 @@ functionals *functionals_free(functionals *self);            // accepts and retu
  * NaN: no node has pressure. */
 double functionals_film_error(
     // output:
-    double *influence, // [rows of the model] change of the film by an error of 1 in a weighted row,
-                       // 0 outside of the least squares; NULL: not needed
+    double *influence, // [rows of the model] change of the film due to an error of 1 in a weighted
+                       // row; 0 for rows outside of the least squares. NULL: no influence is needed
     // in and out:
     functionals *self, reduced_solver *solver,
     // input:
@@ -51,11 +51,11 @@ reduced_errors functionals_other_errors(
     functionals *self, reduced_solver *solver,
     // input:
     const reduced_state *state, const ehd_contact *contact,
-    const double *added); // [rows of the model] added to the square of the row's residual: sum of
-                          // the squared residuals of the control rows nearest to this row
+    const double *added); // [rows of the model] sum of the squared residuals of the control rows
+                          // nearest to this row; added to the square of the row's own residual
 
-/* Returns the error of P at that node of a row at which P is largest, in a fraction of the time of
- * functionals_other_errors. */
+/* Returns the error of P at that node of a row at which P is largest. This takes a fraction of the
+ * time of functionals_other_errors. */
 double functionals_peak_error(functionals *self, reduced_solver *solver, const double *added);
 
 /* Returns the error of the friction of the last stationary solution, divided by the reference load.

@@ -136,8 +136,9 @@ const double *indicator_control_residuals(indicator *self, const reduced_state *
     return self->residual;
 }
 
-/* Returns the bound of the relative error of a film, on which self->influence is the influence of
- * the rows. `own_rows`: change of the film by the residuals of the least squares. */
+/* Returns the bound of the relative error of a film. self->influence must hold the influence of the
+ * rows on this film. `own_rows`: change of the film that the residuals of the least squares
+ * cause. */
 static double bound(const indicator *self, double own_rows, double thickness) {
     double sum = own_rows * own_rows;
 

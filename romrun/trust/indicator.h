@@ -24,10 +24,10 @@ const double *indicator_control_residuals(indicator *self, const reduced_state *
                                           const ehd_contact *contact);
 
 /* Returns the bound of the relative error of the central film, without the factor of a calibration
- * (trade_indicator_factor). The bound is the root of the sum of squares of the film's changes by
- * the residuals of selected rows and control rows. A control row has the influence of the nearest
- * selected row. `solver` has just solved `state` for the stationary `contact`, with the outcome
- * `scalars`. */
+ * (trade_indicator_factor). Each selected row and each control row has a residual, which changes
+ * the film. The bound is the root of the sum of the squares of these changes. A control row has the
+ * influence of the nearest selected row. `solver` has just solved `state` for the stationary
+ * `contact`, with the outcome `scalars`. */
 double indicator_bound(indicator *self, reduced_solver *solver, const reduced_state *state,
                        const ehd_contact *contact, const contact_scalars *scalars);
 
@@ -45,8 +45,9 @@ void indicator_bound_others(double bounds[NUM_INDICATED], indicator *self, reduc
                             const contact_scalars *scalars);
 
 /* Returns the bound of the error of the largest pressure, in Hertz pressures, for the solution that
- * indicator_bound was just called for. It equals INDICATED_PRESSURE of indicator_bound_others at
- * the node of the largest pressure alone, in a hundredth of the time. */
+ * indicator_bound was just called for. The bound is computed like INDICATED_PRESSURE of
+ * indicator_bound_others, but only at the node of the largest pressure. This takes a hundredth of
+ * the time. */
 double indicator_bound_peak(indicator *self, reduced_solver *solver);
 
 /* Returns the bound of the relative error of the friction force, for the solution that

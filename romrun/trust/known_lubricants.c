@@ -33,8 +33,8 @@ static const double LEAST_ALPHA_P = 1;
 struct known_lubricants {
     size_t count;
     shown_lubricant *of; // [count]
-    bool *in_both;       // [count] true: training lubricant, known in time and for stationary
-                         // contacts
+    bool *in_both;       // [count] true: lubricant of the training, which is known both in time and
+                         // for stationary contacts
 };
 
 known_lubricants *known_lubricants_free(known_lubricants *self) {

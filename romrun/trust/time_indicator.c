@@ -74,14 +74,16 @@ static size_t index_of(size_t node, const size_t *nodes, size_t num) {
     return found ? (size_t)(found - nodes) : NO_NODE;
 }
 
-/* Returns where model->rows.needed_node lists the node needed_node[q], or NO_NODE. */
+/* Returns the index in model->rows.needed_node of the node needed_node[q] of the indicator. Returns
+ * NO_NODE if the rows of the model do not need this node. */
 static size_t find_among(const time_indicator *self, size_t q) {
     const row_set *rows = &self->model->rows;
 
     return index_of(self->needed_node[q], rows->needed_node, rows->num_needed);
 }
 
-/* Lists the nodes of all stencils in needed_node, and fills the stencils with indices into it. */
+/* Lists the nodes of all stencils in needed_node, and fills the stencils with indices into this
+ * list. */
 static void list_needed(time_indicator *self) {
     size_t num = 0, *needed = self->needed_node;
 
@@ -112,7 +114,7 @@ static size_t reach_at_exit(const reduced_model *model) {
     return kept_factors_reach(model) + 1;
 }
 
-/* Returns the index of a node among the needed nodes around the exit; adds a missing node. */
+/* Returns the index of a node among the needed nodes around the exit. Adds a missing node. */
 static size_t need(time_indicator *self, size_t node) {
     for (size_t q = self->num_fixed; q < self->num_needed; q++)
         if (self->needed_node[q] == node) return q;
@@ -206,8 +208,9 @@ static void expand(time_indicator *self, const previous_film *state, const reduc
 }
 
 /* Finds, for each node of the inlet, the fraction of a source of fluid that flows on into the
- * contact. A source raises the pressure on both of its sides, by an integral of 1/H^3 over X. The
- * fraction is the integral over the inlet before the source, divided by the whole integral. */
+ * contact. A source raises the pressure on both of its sides. This pressure is an integral of 1/H^3
+ * over X. The wanted fraction is the integral over the part of the inlet before the source, divided
+ * by the integral over the whole inlet. */
 static void find_shares(time_indicator *self) {
     double before = 0;
 
@@ -254,14 +257,16 @@ void time_indicator_evaluate(time_indicator *self, const previous_film *state,
 
 // ---- effect of the residuals on the films
 
-/* Returns the smaller one of an error and the film at a control node; for NaN, the film. */
+/* Returns the smaller of two values: an error, and the film at a control node. If the error is NaN,
+ * returns the film. */
 static double at_most_all(const time_indicator *self, size_t i, double error) {
     const double film = self->film[self->stencils[i].node[NODE_HERE]];
 
     return error < film ? error : film;
 }
 
-/* Returns the error of rho H of entering films by the fluid that the inlet's residuals add. */
+/* Returns the error of rho H of the films that enter. This error is caused by the fluid that the
+ * residuals in the inlet add. */
 static double entering(const time_indicator *self, double entrainment) {
     const size_t last = self->num_inlet - 1;
     double added = 0;

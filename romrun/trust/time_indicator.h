@@ -34,8 +34,9 @@ typedef struct local_errors {
 
 typedef struct time_indicator {
     const reduced_model *model;
-    // numbers of control nodes: fixed ones on the central grid line (num_nodes), ascending, first
-    // those in the inlet (num_inlet); then those around the exit (num_at_exit)
+    // numbers of control nodes. num_nodes: fixed nodes on the central grid line, ascending; the
+    // first num_inlet of them lie in the inlet. num_at_exit: nodes around the exit, which follow
+    // the fixed nodes
     size_t num_inlet, num_nodes, num_at_exit;
     size_t *node;               // [num_nodes + num_at_exit]
     size_t *row;                // [num_nodes + num_at_exit] the model's row at the node, or NO_NODE
@@ -51,7 +52,7 @@ typedef struct time_indicator {
     double *previous;        // [num_nodes + num_at_exit] sums of previous rho H, set by the caller
     double *entrained;       // [num_nodes] d(rho H)/dX of the base (common/time/README.md, Along
                              // the path), set by the caller
-    double *share;           // [num_inlet] fraction of a source at the node that enters the contact
+    double *share;           // [num_inlet] fraction of a fluid source that flows into the contact
     reynolds_row *rows;      // [num_nodes + num_at_exit]
     double *residual;        // [num_nodes + num_at_exit] absolute value of the residual
     film_errors errors;      // bound of the carried errors, without the factor
@@ -102,20 +103,21 @@ double time_indicator_at_exit(const time_indicator *self, const double *influenc
 
 /* Computes the local errors of the attempted step: what remains of the errors of the last state,
  * plus `errors`, indexed by reduced_film, which the rows cause in this step. `then`: frame of the
- * last state; NULL: no last state. Errors leave with the fluid between the minimum film and the
- * exit. Errors from the constriction are soon gone, even if the film is now lowest far upstream. */
+ * last state; NULL: there is no last state. Errors leave with the fluid that was between the
+ * minimum film and the exit when they arose. Errors that arose in the constriction are therefore
+ * soon gone, even if the film is now lowest in a dip far upstream. */
 void time_indicator_add_local(time_indicator *self, const double errors[NUM_REDUCED_FILMS],
                               const contact_scalars *scalars, const contact_frame *then,
                               const contact_frame *now);
 
-/* _keep accepts the errors of the attempted step, _clear sets all errors to zero. */
+/* Accept the errors of the attempted step (keep), or set all errors to zero (clear). */
 void time_indicator_keep(time_indicator *self);
 void time_indicator_clear(time_indicator *self);
 
 /* Returns the sum of the local errors of a film. The result is at most the film's `thickness`. */
 double time_indicator_local(const time_indicator *self, reduced_film film, double thickness);
 
-/* Return the largest carried error of rho H around the centre, and of films that arrive at X. */
+/* Return the largest carried error of rho H: around the centre, and of films that arrive at X. */
 double time_indicator_central(const time_indicator *self);
 double time_indicator_arriving(const time_indicator *self, double x);
 

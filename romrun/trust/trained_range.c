@@ -180,9 +180,9 @@ static size_t farthest(const trained_range *self, const int direction[RANGE_AXES
 }
 
 /* Fills self->outer with the training points farthest out along the axes and the diagonals. A point
- * may occur several times. Most places inside of the range lie in the hull of these few points,
- * which checks use first: a check with all points takes 293 thousand instructions for a model of
- * 188 states. Returns false without memory. */
+ * may occur several times. Checks first use the hull of these few points, because most places
+ * inside of the range lie inside of this hull. A check with all points takes 293 thousand
+ * instructions for a model of 188 states. Returns false without memory. */
 static bool list_outer(trained_range *self) {
     size_t num = 1, count = 0;
 

@@ -52,7 +52,8 @@ static double time_one_piece(pod_basis *basis, const double *snapshots, size_t n
     return program_seconds() - start;
 }
 
-/* Returns the largest difference of singular values, relative to the first value. */
+/* Returns the largest difference between corresponding singular values, relative to the first
+ * value. */
 static double deviation(const pod_basis *set, const pod_basis *basis) {
     double largest = 0;
     for (size_t i = 0; i < set->num_modes; i++)

@@ -54,7 +54,8 @@ int main(int argc, char **argv) {
         blas[i] = program_seconds() - start;
     }
     const spread here = spread_of(own, repeats), there = spread_of(blas, repeats);
-    // operations of a symmetric product (half of a full one), Cholesky factors, right-hand side
+    // operations of the symmetric product (half of a full product), the Cholesky factors, and the
+    // right-hand side
     const double flops = (double)n * n * m + (double)n * n * n / 3 + 2.0 * n * m + 2.0 * n * n;
     const double rate = flops / here.median, product_rate = 2.0 * n * n * m / there.median;
     printf("least squares %d x %d: %s us, %.1f Gflop/s; dgemm %d x %d x %d: %s us, %.1f Gflop/s; "

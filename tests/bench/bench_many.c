@@ -24,8 +24,9 @@ static const double STEP = 0.005, SWING = 0.1;
 static const double GOAL = 1.9;
 /* Least ratio of processor time to elapsed time on an idle machine. */
 static const double IDLE = 0.98;
-/* Largest number of voluntary context switches: at the end one thread waits for the other. A lock
- * around each step causes 5 or more, although mostly the same thread takes the lock again. */
+/* Largest allowed number of voluntary context switches. At the end one thread waits for the other.
+ * A lock around each step causes 5 or more switches, although mostly the same thread takes the lock
+ * again. */
 static const long MOST_WAITS = 2;
 enum { MOST_CONTACTS = 64 };
 

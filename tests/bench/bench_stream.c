@@ -189,7 +189,7 @@ static bases_plan plan_of(const snapshot_set *files, const task *work) {
     return found;
 }
 
-/* Computes the modes, not the coordinates of the snapshots; reads the file once. */
+/* Computes the modes without the coordinates of the snapshots; reads the file once. */
 static void find_modes(void *result, const void *context) {
     const task *work = context;
     outcome *own = result;

@@ -79,9 +79,9 @@ __attribute__((destructor)) static void log_count(void) {
     if (atomic_load(&counting)) log_line("calls", atomic_load(&num_calls), "-");
 }
 
-/* Logs the library that made the call; skips libc and this library, which make calls for others.
- * The programs contain HDF5, whose internal functions have no names (Makefile). On the stack, up to
- * two such functions may stand between a public function of HDF5 and the call. */
+/* Logs the library that made the call. Libc and this library make calls for other libraries and are
+ * skipped. The programs contain HDF5, whose internal functions have no names (Makefile). On the
+ * stack, up to two such functions may stand between a public function of HDF5 and the call. */
 static void log_fault(long call) {
     enum { DEPTH = 32, MOST_NAMELESS = 3 };
     void *frames[DEPTH];

@@ -117,7 +117,8 @@ static void read_log(outcome *result) {
     }
 }
 
-/* Runs the command with the fault at `call`; 0: only counts calls; -1: without the library. */
+/* Runs the command with the fault at `call`. If `call` is 0, calls are counted without a fault. If
+ * `call` is -1, the command runs without the library. */
 static outcome run(char **arguments, long call) {
     outcome result = {0};
     const int log = open("sweep.log", O_WRONLY | O_CREAT | O_TRUNC, 0666);
@@ -223,7 +224,8 @@ static const char *difference_of_bytes(void) {
     return same ? NULL : "bytes differ";
 }
 
-/* Compares the data of output and reference; returns NULL if they are equal, else the difference. */
+/* Compares the data of output and reference. Returns NULL if the data are equal, otherwise the
+ * difference. */
 static const char *difference(void) {
     if (!is_hdf5) return difference_of_bytes();
     H5G_info_t info = {.nlinks = 0};

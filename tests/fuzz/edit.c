@@ -97,7 +97,7 @@ static void take_away(const edited *self, const char *name) {
         H5Ldelete(self->file, name, H5P_DEFAULT);
 }
 
-/* For each pair of a field and an axis of which one has this name, attaches or detaches the scale. */
+/* Attaches or detaches the scale of each axis of a field if the field or the axis has this name. */
 static void set_scales(const edited *self, const char *name, bool attach) {
     const artefact_field *field = self->schema ? self->schema->fields : NULL;
     for (; field && field->name; field++) {

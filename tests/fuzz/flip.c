@@ -106,7 +106,8 @@ static _Noreturn void make_partial(const interrupted *of) {
     _exit(0);
 }
 
-/* Checks that a line of the digest does not depend on when and how often the run was interrupted. */
+/* Checks that a line of the digest does not depend on when and how often the run was
+ * interrupted. */
 static bool is_content(const char *line, size_t length) {
     static const char *const others[] = {" attributes", " restart", "seconds"};
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
@@ -184,7 +185,8 @@ static void meet_others(const interrupted *of, const char *bytes, size_t length)
         fuzz_complain("podbuild --print", code, "a code that no file must lead to", fuzz_said());
 }
 
-/* Resumes from the file: it must be refused, or give the result of a file without a flip. */
+/* Resumes from the file. The file must be refused, or the result must equal the result without a
+ * flip. */
 static void meet(const interrupted *of, const char *bytes, size_t length, const char *digest) {
     char command[256], found[1 << 13];
     snprintf(command, sizeof command, "%s --resume", of->command);

@@ -171,7 +171,8 @@ static const char *any_text(void) {
     return below(4) ? one_of(texts) : any_number();
 }
 
-/* Generates an edit of a flat model. Most blocks hold one number. */
+/* Generates an edit of a flat model. Blocks are given by number, not by name. Most blocks hold only
+ * one value, which has the index 0. */
 static int make_flat_line(char *line, size_t room) {
     const char *word = one_of(flat_edit_words);
     const unsigned block = below(64), index = below(2) ? below(200) : 0;

@@ -234,7 +234,8 @@ static ehd_status read_scene(const char *bytes, size_t length, ehd_error *error)
     return EHD_OK;
 }
 
-/* Reads a plan. The text of an accepted plan must give the same number of points. */
+/* Reads a plan. The text of an accepted plan must be readable and give the same number of
+ * points. */
 static ehd_status read_plan(const char *bytes, size_t length, ehd_error *error) {
     plan read = {0}, again = {0};
     ehd_status status = plan_read(&read, "work.yml", NULL, 0, error);

@@ -13,7 +13,7 @@
 #include <cmocka.h>
 #include <stdbool.h>
 
-/* Returns whether a test runs all cases (`make check-all`) or only a few (`make check`). */
+/* Returns true if tests run all cases (`make check-all`), false if only a few (`make check`). */
 bool check_all(void);
 
 /* Returns true if |actual - expected| <= absolute + relative * |expected|. Returns false if any

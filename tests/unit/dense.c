@@ -68,7 +68,8 @@ static void add_pressure_stencils(double *matrix, const full_system *system) {
     }
 }
 
-/* The approach changes the film equally at all nodes, and the pressures around the grid. */
+/* Fills the column of the rigid approach. The approach changes the film equally at all nodes. It
+ * also changes the pressures around the grid. */
 static void fill_approach_column(double *column, const film_row *film, const full_system *system) {
     size_t size = system->num_unknowns + 1;
 

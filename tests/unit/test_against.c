@@ -9,7 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Returns a polynomial of degree 3, even in Y, which four nodes per axis interpolate exactly. */
+/* Returns a polynomial that has degree 3 and is even in Y. Interpolation with four nodes per axis
+ * reproduces this polynomial exactly. */
 static double cubic(double x, double y) {
     return 1 + x - 0.5 * x * x + 0.25 * x * x * x + (2 - x * x * x) * y * y;
 }
@@ -107,7 +108,8 @@ static void print_to(char text[1024], const time_trace *trace, const time_series
     assert_int_equal(status, EHD_OK);
 }
 
-/* After the bodies were apart the film is 10 % off. The mean covers both periods of contact. */
+/* After the bodies have been apart, the film is 10 % off. The mean is taken over both periods of
+ * contact. */
 static void compares_all_contacts(void **state) {
     (void)state;
     enum { COUNT = 31 };

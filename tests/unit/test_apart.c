@@ -308,7 +308,8 @@ static void steps_in_which_bodies_part_or_touch_are_short(void **state) {
     assert_true(step_to(0.1, 0, NAN).apart);
 }
 
-/* The solver's state is saved with the state of the bodies. If a start fails, bodies stay apart. */
+/* The state of the solver is saved together with the state of the bodies. If a start fails, the
+ * bodies stay apart. */
 static void a_state_apart_is_saved(void **state) {
     (void)state;
     scene given;

@@ -259,7 +259,8 @@ static void round_trip(void **state) {
     artefact_close(&file);
 }
 
-/* Copies the file to `name`. Returns the copy's content, which begins with its own provenance. */
+/* Copies the file under test to `name`. Returns the content of the copy, which begins with the
+ * copy's own provenance. */
 static char *copied_content(const char *name, const char *const *except_axes) {
     artefact *from = reopen(), *to = NULL;
 
@@ -816,7 +817,8 @@ static void fuzz_file(size_t step) {
     free(whole_content);
 }
 
-/* Flipping all bytes takes a minute, so by default only some are flipped. */
+/* Returns the step between flipped bytes. Flipping all bytes takes a minute, so by default only
+ * some bytes are flipped. */
 static size_t fuzz_stride(void) {
     const char *stride = getenv("EHD_FUZZ_STRIDE");
     if (stride) return strtoul(stride, NULL, 10);
@@ -1271,7 +1273,8 @@ static void misuse_of_growth_is_internal(void **state) {
 
 // ---- files and tools of other programs
 
-/* A script that writes a minimal file like another program, with other types and layouts. */
+/* A script that writes a minimal file as another program may write it: with other types and
+ * layouts. */
 static const char foreign[] =
     "import h5py, numpy, sys\n"
     "with h5py.File(sys.argv[1], 'w') as f:\n"

@@ -59,7 +59,8 @@ static void one_dip_anywhere(void **state) {
         }
 }
 
-/* The coarse search may come nearer to the bottom of the shallower dip than of the deeper dip. */
+/* The coarse search may come nearer to the bottom of the shallower dip than to the bottom of the
+ * deeper dip. */
 static void the_deeper_of_two_dips(void **state) {
     (void)state;
     for (double place = 240; place < 300; place += 0.5)

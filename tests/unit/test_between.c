@@ -204,7 +204,8 @@ static void test_trajectories(void **state) {
     free_sample(&moved);
 }
 
-/* The points 0 … 8 are equidistant in ln M. The order is first, last, middle, quarters. */
+/* The points 0 … 8 are equidistant in ln M. They are chosen in the order first, last, middle,
+ * quarters. */
 static void test_spread(void **state) {
     sample line = {0};
     bool chosen[11];

@@ -48,7 +48,8 @@ static void moes_bounds_of_physical_scenes(void **state) {
                                     "100000 and L up to 100");
 }
 
-/* A half width above the radius, as from a modulus in MPa instead of Pa, is refused. */
+/* A half width above the radius is refused. A modulus in MPa instead of Pa causes such a half
+ * width. */
 static void a_contact_is_narrower_than_its_bodies(void **state) {
     (void)state;
     scene given = sample_scene("barus", "incompressible", NAN, NAN);
@@ -201,9 +202,10 @@ static void grid_nodes(void **state) {
     check_close(grid_x(&contact.grid, 1201), 2, 1e-14, 0);
 }
 
-/* The half grid has three lines, the first at y = 0, and a boundary line. The first line's pressure
- * ends inside the grid. The second has a gap, and a negative value behind its end. The third is
- * zero. The whole grid also has the mirrored lines. */
+/* The half grid has three lines, of which the first lies at y = 0, and a boundary line. The
+ * pressure of the first line ends inside the grid. The pressure of the second line has a gap, and a
+ * negative value behind its end. The pressure of the third line is zero. The whole grid also has
+ * the mirrored lines. */
 static void exits_of_a_pressure(void **state) {
     (void)state;
     const ehd_grid grid = grid_of(-1, 0.5, 4, 3, true, DISCRETIZATION_PUBLISHED);

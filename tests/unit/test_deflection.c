@@ -27,7 +27,8 @@ static double line_influence(double x, void *parameters) {
     return -log(x * x) / (2 * M_PI);
 }
 
-/* Returns the integral of 1/r along x over a cell, at the distance y, for integral_over_cell. */
+/* Returns the integral of 1/r along x over a cell, at the distance y. integral_over_cell then
+ * integrates over y. */
 static double strip(double y, void *parameters) {
     const double *ends = parameters;
     return 2 / (M_PI * M_PI) * (asinh(ends[1] / fabs(y)) - asinh(ends[0] / fabs(y)));

@@ -163,7 +163,8 @@ static void check_left_alone(problem *self) {
     assert_memory_equal(behind.bound, before.bound, sizeof before.bound);
 }
 
-/* Checks the derivatives of the next solution against another solver. */
+/* Checks that the derivatives of the next solution equal the derivatives that another solver
+ * computes. */
 static void check_follows(problem *self) {
     const online_direction by_load = {.load = 1, .approach = NAN};
     const online_derivatives before = differentiate(self, &by_load);

@@ -19,7 +19,8 @@ enum { NUM_RATIOS = sizeof ratios / sizeof *ratios };
 
 // ---- the shape
 
-/* Return the integrands of A and B with t = s^2/(1 - s)^2 (common/physics/README.md). */
+/* along returns the integrand of A, and across the integrand of B, with t = s^2/(1 - s)^2
+ * (common/physics/README.md). */
 static double along(double s, void *parameters) {
     const double k2 = pow(*(double *)parameters, 2), root = s / (1 - s), t = root * root;
     return 2 / (pow(1 + t, 1.5) * sqrt(k2 + t)) / ((1 - s) * (1 - s));
@@ -53,7 +54,8 @@ static void shapes_are_those_of_the_integrals(void **state) {
         check_close(ellipse_radius_ratio(k), A / B, 1e-11, 0);
         check_close(ellipse_ellipticity(ellipse_radius_ratio(k)), k, 1e-13, 0);
     }
-    // a circle is exact to the last bit, also with the ellipticity computed from the radii
+    // the shape of a circle is exact to the last bit, also if its ellipticity is computed from the
+    // ratio of the radii
     const contact_shape circle = shape_of(ellipse_ellipticity(1));
     assert_memory_equal(&circle, &shape_round, sizeof circle);
 }
@@ -182,7 +184,8 @@ static void default_grid_knows_the_sides(void **state) {
 
 // ---- the kernel
 
-/* Returns the integral of 1/r along x over a cell, at Y = y, for integral_over_cell. */
+/* Returns the integral of 1/r along x over a cell, at Y = y. integral_over_cell then integrates
+ * over Y. */
 static double strip(double y, void *parameters) {
     const double *cell = parameters; // ends of the cell, k
     return asinh(cell[1] / fabs(cell[2] * y)) - asinh(cell[0] / fabs(cell[2] * y));

@@ -55,7 +55,8 @@ static exit_cell cell_of(small_exit *small) {
     return cell;
 }
 
-/* Moves the exit to where the film without pressure carries the flux. Returns this exit cell. */
+/* Moves the exit to the place where the film without pressure carries the flux. Returns the exit
+ * cell at this place. */
 static exit_cell settled_cell(small_exit *small) {
     exit_cell cell = cell_of(small);
 

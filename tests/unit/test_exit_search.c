@@ -150,8 +150,9 @@ static reduced_info solve_held(size_t s, size_t behind) {
     return info;
 }
 
-/* If the exit is one node too far downstream, the central film changes by less than 1e-5, which is
- * accepted. Two nodes change the film by up to 3e-5 and four by 1e-4, which is not trusted. */
+/* Behind the true exit the pressure is negative. If the exit is one node too far downstream, the
+ * central film changes by less than 1e-5, which is accepted. If the exit is two nodes too far, the
+ * film changes by up to 3e-5; with four nodes, by 1e-4. These results are not trusted. */
 static void an_exit_held_elsewhere_is_not_trusted(void **state) {
     (void)state;
     for (size_t s = 0; s < TRAINED_STATES; s += 5)
@@ -190,7 +191,8 @@ static ehd_status go_back_and_on(double *step, void *context, const double *matr
     return EHD_OK;
 }
 
-/* In a transient run, an exit that moves back by several nodes still reaches its true place. */
+/* In a transient run, an exit that reverses and moves back by several nodes still reaches its true
+ * place. */
 static void an_exit_that_turns_by_more_goes_on(void **state) {
     (void)state;
     back_and_on other;
@@ -275,7 +277,8 @@ static void narrow_band(reduced_model *model, size_t s, ptrdiff_t min, ptrdiff_t
     }
 }
 
-/* Solves a trained contact in a narrow band. Exits of odd lines are searched if `all_lines`. */
+/* Solves a trained contact in a narrow band. If `all_lines` is false, the exits of odd lines are
+ * not searched. */
 static void solve_in_narrow_band(const reduced_basis *basis, const ehd_contact *contact,
                                  bool in_time, bool all_lines, size_t s, ptrdiff_t min,
                                  ptrdiff_t max) {
@@ -311,8 +314,8 @@ static void solve_in_narrow_band(const reduced_basis *basis, const ehd_contact *
     reduced_problem_free(&reduced);
 }
 
-/* Exits stop at the last column of the band, both in stationary contacts (moved by the flux) and in
- * transient contacts (moved by the signs of pressure and multiplier). */
+/* Exits stop at the last column of the band. In stationary contacts the flux moves the exits, and
+ * in transient contacts the signs of pressure and multiplier move the exits. */
 static void exits_end_where_the_band_does(void **state) {
     (void)state;
     for (size_t s = 0; s < (check_all() ? TRAINED_STATES : 1); s += 6)
@@ -330,8 +333,8 @@ static void exits_end_where_the_band_does(void **state) {
 
 // ---- margins of exits
 
-/* The margin of a grid line is the smaller one of its last pressure and its multiplier. If the exit
- * of a line is moved by one node, the margin of this line is zero. */
+/* The margin of a grid line is the smaller of two values: its last pressure and its multiplier. If
+ * the exit of a line is moved by one node, the margin of this line is zero. */
 static void margins_are_those_of_the_exits(void **state) {
     const size_t num_lines = half_point.set.grid.num_nodes / grid_width(&half_point.set.grid);
     size_t *exits = calloc(num_lines, sizeof *exits), num_small = 0, num_shifted = 0;

@@ -35,8 +35,9 @@ static void integrate(double sums[NUM_SUMS], const double middle[2], double x, d
     }
 }
 
-/* Returns the profile for a rate of sliding and two gradients, by bisection for the stress along
- * the sliding and, inside, for the stress across at which nothing slides to the side. */
+/* Returns the profile for a rate of sliding and two gradients. An outer bisection finds the stress
+ * along the sliding, in the middle of the film. For each such stress, an inner bisection finds the
+ * stress across the sliding at which nothing slides to the side. */
 static profile profile_of(double rate, double sigma_x, double sigma_y) {
     const double x = 2 * sigma_x, y = 2 * sigma_y;
     const double most = asinh(rate) + sigma_x + sigma_y;
@@ -87,7 +88,8 @@ static void across_the_sliding_the_factor_is_near(void **state) {
     }
 }
 
-/* Point contacts neglect the gradient across each flow. EYRING_DOUBT bounds this error. */
+/* For the flow in one direction, the rows of point contacts neglect the pressure gradient in the
+ * other direction. The constants EYRING_DOUBT_... bound this error. */
 static void doubt_is_a_bound(void **state) {
     (void)state;
     for (double x = 0.1; x < 3.1; x *= 3)

@@ -103,7 +103,8 @@ static void from_a_reduced_solution(void **state) {
     }
 }
 
-/* From a good reduced solution the full model takes two Newton iterations in each repetition. */
+/* If the full model starts from a good reduced solution, it takes two Newton iterations. Each
+ * repetition takes the same number. */
 static void from_a_good_solution_it_takes_little(void **state) {
     (void)state;
     ehd_contact contact = training.contacts[4];

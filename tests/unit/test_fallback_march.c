@@ -43,7 +43,8 @@ typedef struct run {
     bool by_full_model[NUM_STEPS + 1];
 } run;
 
-/* Returns a load that leaves the trained range twice; with a phase of pi/2 it starts outside. */
+/* Returns a load that leaves the trained range, comes back and leaves the range again. With a phase
+ * of pi/2 the load starts outside of the range. */
 static double load_at(size_t i, double phase) {
     return 1 + 0.15 * sin(2 * M_PI * (double)i * STEP + phase);
 }
@@ -308,7 +309,7 @@ static void where_the_reduced_model_does_not_converge(void **state) {
 }
 
 /* While rejected attempts have cost more iterations than the accepted steps, the full model takes
- * the steps. Its own steps count as accepted. */
+ * the steps. The steps of the full model count as accepted steps. */
 static void iterations_in_vain_are_limited(void **state) {
     (void)state;
     reduced_basis nodes =

@@ -61,7 +61,8 @@ static double reynolds_at(const ehd_contact *contact, double approach, double x,
     return (sum / (d * d) / contact->lambda - slope) / fabs(slope);
 }
 
-/* Away from the exit the residual is c^2/r^4 with a varying c, and falls with r^-3 or faster. */
+/* Away from the exit the residual is c^2/r^4 with a coefficient c that varies. The residual falls
+ * with r^-3 or faster. */
 static void solves_the_reynolds_equation(void **state) {
     (void)state;
     const double ellipticities[] = {1, 0.5, 1.5, 3}, directions[] = {0, 0.4, 0.8, 1.2};
@@ -100,7 +101,8 @@ static void ends_at_the_exit(void **state) {
     check_close(pressure_at(&contact, -0.5, -3, 4), pressure_at(&contact, -0.5, -3, -4), 0, 0);
 }
 
-/* The loads beyond two grids differ by the load between the edges of the grids. */
+/* The loads beyond two grids differ by the load between the edges of the grids. Finite differences
+ * check the derivative of the load. */
 static void counts_the_load_beyond(void **state) {
     (void)state;
     const double ellipticities[] = {0.5, 3, 1}, approach = -0.4, d = 1e-5;

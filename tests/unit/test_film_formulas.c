@@ -291,7 +291,8 @@ static void slender_ellipses_are_lines(void **unused) {
     for (double moes_M = 200; moes_M < 2000; moes_M *= 5)
         for (double k = 4; k < 50; k *= 1.5) {
             const film_numbers n = ellipse(k, moes_M, 10);
-            // p_H = 3w/(2 pi a b); for a line p_H = E' a/(4 R) with its own half width a
+            // p_H = 3w/(2 pi a b); for a line contact p_H = E' a/(4 R), where a is its own half
+            // width
             const double ratio = 3 * n.load / (2 * M_PI * k * n.half_width * n.half_width);
             const double line_load = 2 * M_PI * ratio * ratio;
             const double line_M = line_load / sqrt(2 * n.speed);
@@ -337,9 +338,9 @@ static void fits_agree(void **unused) {
         }
 }
 
-/* Compares formulas as other authors quote them: Zhou and Hoeprich (J. Tribology 113, 1991, eq. 31)
- * the central film of Chittenden et al. with 4.30 and 1.28 b/a, Aihara (J. Tribology 109, 1987, eq.
- * 17) the minimum film of Hamrock and Dowson with their approximation of b/a. */
+/* Compares the formulas as other authors quote them. Zhou and Hoeprich (J. Tribology 113, 1991, eq.
+ * 31) quote the central film of Chittenden et al. with 4.30 and 1.28 b/a. Aihara (J. Tribology 109,
+ * 1987, eq. 17) quotes the minimum film of Hamrock and Dowson with their approximation of b/a. */
 static void films_as_they_are_quoted(void **unused) {
     (void)unused;
 
@@ -355,7 +356,8 @@ static void films_as_they_are_quoted(void **unused) {
     }
 }
 
-/* Without side leakage only powers of U, G, W remain. Both minimum films have equal exponents. */
+/* Slender ellipses have no side leakage, so only the powers of U, G and W remain in the formulas.
+ * Both formulas of the minimum film have equal exponents. */
 static void nothing_leaks_from_slender_ellipses(void **unused) {
     const film_numbers n = ellipse(60, 200, 10);
     const double scale = n.half_width * n.half_width;

@@ -13,7 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// index of a training state whose exit is not the exit that cuts off the modes' splines
+// index of a training state whose exit differs from the exit at which the splines of the modes are
+// cut off
 enum { STATE = 7 };
 
 static trained training;
@@ -22,8 +23,8 @@ static ehd_error error;
 #define check_ok(call)                                                                             \
     if (call) fail_msg("%s", error.text)
 
-/* Fills the state of the full model that equals the reduced state. The film is computed from its
- * definition. */
+/* Fills the state of the full model that equals the reduced state. The modes give the pressure up
+ * to the exit. The film is computed from its definition. */
 static void fill_full(previous_state *full, previous_carrier *carrier, const previous_film *reduced,
                       const reduced_basis *basis, const ehd_contact *reference) {
     const ehd_grid *grid = &basis->grid;
@@ -47,7 +48,7 @@ static void fill_full(previous_state *full, previous_carrier *carrier, const pre
             *film += full->state.pressure[i] *
                      deflection_influence(basis->kind, grid, fabs(nodes[k] - nodes[i]), 0);
         for (size_t j = 0; j < basis->num_deformation; j++)
-            // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): num_deformation is 0 without
+            // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): num_deformation is 0 if NULL
             *film += basis->deformation_modes[k * basis->num_deformation + j] * z[num_pressure + j];
     }
     previous_prepare(full, carrier);
@@ -249,7 +250,8 @@ static void plane_free(plane *self) {
     free(self->x);
 }
 
-/* Makes a spline along each line. plane_at then interpolates across between these splines. */
+/* Makes a spline along each line. From the values of these splines, plane_at makes a spline across
+ * the lines. */
 static void plane_prepare(plane *self) {
     for (size_t l = 0; l < self->lines; l++) {
         self->along[l] = gsl_spline_alloc(gsl_interp_cspline, self->width);
@@ -271,7 +273,8 @@ static double plane_at(const plane *self, double x, double y) {
     return value;
 }
 
-/* Adds the pressure of the modes at the nodes of the grid; if `cut`, only before the exit line. */
+/* Adds the pressure of the state at the nodes of the grid, computed from the modes. If `cut`, the
+ * pressure is zero behind the exit line. */
 static void fill_pressure(plane *self, const point_film *of, bool cut) {
     const ehd_grid *grid = &of->basis->grid;
     size_t num = of->basis->num_pressure, width = grid_width(grid), middle = self->lines / 2;
@@ -325,8 +328,9 @@ static bool is_before_exit(const point_film *self, double x, double y) {
     return x < grid_x(grid, 0) + grid->step * ((1 - part) * exit + part * next) - 1e-9;
 }
 
-/* Compares the masses with tensor-product splines at the nodes of the frame `now`, except near the
- * downstream ends of the model's splines, which the pressure with the farthest exits reaches. */
+/* Compares the masses with tensor-product splines at the nodes of the frame `now`. Places near the
+ * downstream ends of the model's splines are left out, because with the farthest exits the pressure
+ * reaches these ends. */
 static void compare_point(const point_film *self, const contact_frame *now, double tolerance,
                           double at_ends) {
     const ehd_grid *grid = &self->basis->grid;
@@ -380,7 +384,8 @@ static void films_of_point_contacts_equal_tensor_splines(void **unused) {
     }
 }
 
-/* In a constant frame the carried values equal the node values, also if the memory is reused. */
+/* If the frame does not change, the carried values equal the values at the nodes. This must also
+ * hold for the next state that is stored in the same memory. */
 static void a_frame_that_stands_still_gives_the_nodes(void **unused) {
     (void)unused;
     point_film self;

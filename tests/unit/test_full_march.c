@@ -112,7 +112,8 @@ static void start_is_the_stationary_contact(void **state) {
 
 // ---- accuracy of time steps
 
-/* Returns the largest difference of the central films; `coarse` has steps of twice the length. */
+/* Returns the largest difference of the central films of two runs, at the times of `coarse`. The
+ * steps of `coarse` are twice as long as those of `fine`. */
 static double film_difference(const marched *coarse, const marched *fine) {
     double largest = 0;
 
@@ -204,8 +205,9 @@ static void tolerance_holds(void **state) {
     }
 }
 
-/* With transport along the path, the film follows a slowly changing load. A step may then exceed
- * the film's time in the contact, and is still as accurate as the tolerance requires. */
+/* With transport along the path, the film follows a slowly changing load. A step may therefore be
+ * longer than the time in which the film passes through the contact. Such a step is still as
+ * accurate as the tolerance requires. */
 static void a_slow_ramp_along_the_path_ends_at_rest(void **state) {
     static const char transient[] =
         "end_time: 60, load: {law: ramp, from: 1, to: 1.08, start: 0.5, duration: 40}";
@@ -303,8 +305,9 @@ static ehd_status check_local_error(void *sink, const march_step *step, size_t i
 }
 
 /* The local error is the largest error at nodes more than a tenth of a half width before the exit.
- * Nearer to the exit there is noise, because the exit moves by whole nodes. The speed oscillates,
- * so that the exit moves and disturbances travel to the exit. */
+ * Errors nearer to the exit are left out: they contain noise, because the exit moves by whole
+ * nodes. The speed oscillates, so that the exit moves and disturbances of the film travel to the
+ * exit. */
 static void local_error_is_that_before_the_exit(void **state) {
     (void)state;
     static error_check check;
@@ -390,7 +393,7 @@ static void run_measured(marched *self, const char *transient) {
     marched_all(self, &of);
 }
 
-/* The approach that results from a load, given as a table, must lead to the same load. */
+/* A table gives the approach that resulted from a load. This approach must lead to that load. */
 static void approach_gives_the_load_back(void **state) {
     static const char name[] = "approach.csv";
     (void)state;
@@ -445,7 +448,8 @@ static void start_from_a_given_approach(void **state) {
     marched_end(&second);
 }
 
-/* Starts from an approach that removes nearly all of the load, by steps of 1/32 of the way. */
+/* Starts from an approach that removes nearly all of the load. The continuation takes steps of 1/32
+ * of the distance to this approach. */
 static void start_from_an_approach_far_away(void **state) {
     (void)state;
     scene of = marched_scene(20, 8, "dowson-higginson", 0.02,
@@ -654,8 +658,9 @@ static double dent(double x) {
     return -2e-3 * exp(-pow((x + 0.5) / 0.12, 2));
 }
 
-/* Adds a dent to the film of the only accepted state in the saved data. These begin with the errors
- * along the path; with transport along the path, the base state and its time limit follow. */
+/* Adds a dent to the film of the only accepted state, by changing the saved data of the march.
+ * These data begin with the errors along the path. With transport along the path, the base state
+ * and its time limit come before the states. */
 static void add_dent(march_solver *solver, const ehd_grid *grid, bool path,
                      double (*of)(double x)) {
     const size_t size = solver->saved_size(solver->self), errors = grid->num_nodes;
@@ -690,7 +695,8 @@ static void carry_dent(double *left, double (*of)(double x), const char *transpo
     }
 }
 
-/* Along the path a dent passes unchanged, although the speed rises; upwind transport smears it. */
+/* With transport along the path a dent passes through the contact unchanged, although the speed
+ * rises. The expected film is the shifted dent. Upwind transport smears the dent. */
 static void a_dent_passes_unchanged(void **state) {
     static const char transient[] = "end_time: 0.64, fixed_step: 0.02, "
                                     "speed: {law: ramp, from: 1, to: 1.5, duration: 0.64}";
@@ -713,7 +719,8 @@ static double dent_behind(double x) {
     return dent(x - 1);
 }
 
-/* Returns the number of attempted steps. `of` is a dent in the film at the start, or NULL. */
+/* Returns the number of steps that error control attempts. `of` is a dent in the film at the start,
+ * or NULL. */
 static size_t attempts_with(double (*of)(double x)) {
     const scene usual = along_path(marched_scene(20, 6, "incompressible", 0.01,
                                                  "end_time: 1, tolerance: 1.5e-3, "
@@ -830,8 +837,9 @@ static double mean_of(const double *values, size_t count) {
     return sqrt(sum);
 }
 
-/* Returns the fraction of a film's change that `effect` does not predict. The change leads from
- * `film` to `better`, the film of the run `second` with quarter steps and without a filter. */
+/* Returns the fraction of a film's change that `effect` does not predict. The change is the
+ * difference between `film`, of the run `first`, and `better`, of the run `second`. The steps of
+ * `second` are a quarter as long, and `second` has no filter. */
 static double left_of_change(const double *film, const double *better, const double *effect) {
     static double change[MARCHED_STEPS], rest[MARCHED_STEPS];
 
@@ -844,8 +852,9 @@ static double left_of_change(const double *film, const double *better, const dou
     return mean_of(rest, first.count) / mean_of(change, first.count);
 }
 
-/* Checks the estimated effects on the films with both kinds of transport, including the effect of
- * the filter. A point's minimum film hardly changes, and its effect is overestimated. */
+/* Checks the estimated effects on the films with upwind transport and with transport along the
+ * path, including the effect of the filter. The minimum film of a point contact hardly changes, and
+ * its change is overestimated. */
 static void effects_are_those_of_shorter_steps(void **state) {
     static const char history[] = "load: {law: sine, amplitude: 0.1, period: 1}";
     char of_line[128], of_point[128];

@@ -55,7 +55,8 @@ static void patch_evaluate(patch *self) {
                   self->pressure, self->film);
 }
 
-/* Returns a row's derivative by the value at a node, which mirrored stencils may contain twice. */
+/* Returns the derivative of a row by the value at a node. A mirrored stencil may contain the node
+ * twice. */
 static double by_node(const double *by, const reynolds_stencil *stencil, size_t node) {
     double sum = 0;
     for (int a = 0; a < NUM_STENCIL; a++)
@@ -340,7 +341,8 @@ static void large_grids_satisfy_the_problem(void **state) {
         assert_true(full_is_large(&contact.grid));
         check_solution(&contact);
     }
-    // the small grids of trainings and studies use the factors, so that results keep their bits
+    // the usual grids of trainings and studies are small and use the factors, so that their results
+    // keep the same bits
     const ehd_contact usual = sample_point("barus", "incompressible", 20, 10, 128, true);
     assert_false(full_is_large(&usual.grid));
 }
@@ -362,9 +364,11 @@ static void digits_of_the_multigrid_program(void **state) {
     problem_free(&solved);
 }
 
-/* A start from coarser grids is near the solution, and its first linear systems may be inexact. On
- * 128 cells it takes 5 or 6 Newton iterations (from the dry contact: 13) with 8 to 9 GMRES
- * iterations each (strictly solved: 12). Too inexact systems cost one more Newton iteration. */
+/* A start from coarser grids is near the solution, and its first linear systems may be solved
+ * inexactly. On 128 cells this start takes 5 or 6 Newton iterations with 8 to 9 GMRES iterations
+ * each. A start from the dry contact takes 13 Newton iterations. If all systems are solved
+ * strictly, each takes 12 GMRES iterations. If systems are solved too inexactly, one more Newton
+ * iteration is needed. */
 static void fine_grids_take_few_iterations(void **state) {
     (void)state;
     const double moes_M[] = {20, 100}, moes_L[] = {10, 5};
@@ -375,7 +379,8 @@ static void fine_grids_take_few_iterations(void **state) {
         ehd_contact contact =
             sample_point("barus", "dowson-higginson", moes_M[i], moes_L[i], 128, true);
         problem solved;
-        // with an open boundary the contacts take 7 and 5 Newton, and 44 and 55 GMRES iterations
+        // with an open boundary the contacts take 7 and 5 Newton iterations, and 44 and 55 GMRES
+        // iterations
         contact.grid.boundary = BOUNDARY_ZERO;
         problem_solve_cold(&solved, &contact, &settings);
         newton += solved.info.newton_iterations;

@@ -111,7 +111,8 @@ static void solution_is_a_fixed_point(void **state) {
 
 // ---- grids
 
-/* Returns the order of the central film's error. The grids have boundary nodes at equal places. */
+/* Returns the order of the central film's error. The boundary nodes are at the same places on all
+ * grids. */
 static double order_in_the_step(ehd_discretization discretization) {
     static const size_t intervals[] = {300, 600, 1200};
     const full_settings settings = full_default_settings();
@@ -339,7 +340,8 @@ static void rows_before_the_exit_hold(void **state) {
     free(rows);
 }
 
-/* The Jacobian with the exit cell's row is exact: Newton's method converges quadratically. */
+/* The Jacobian is exact, including the row of the exit cell. It equals the dense Jacobian, and
+ * Newton's method converges quadratically. */
 static void the_cell_is_part_of_the_linear_system(void **state) {
     (void)state;
     const ehd_contact contact = accurate_contact(12, 6, 0.04),
@@ -500,7 +502,8 @@ static void solve_without_memory(void **state) {
 
 // ---- interruption
 
-/* Sends a signal before the third system, which must not be solved or change the stored step. */
+/* Sends a signal before the third linear system. This system must not be solved, and the stored
+ * step must not change. */
 static ehd_status interrupted_gmres(full_system *system, double tolerance, size_t *iterations,
                                     ehd_error *error) {
     static size_t calls;

@@ -159,8 +159,9 @@ static void places_of_two(places *self, const ehd_lubricant of[2], size_t column
 }
 
 /* The states of two lubricants differ by five times the rise of the density (places_of_two). The
- * guess for the incompressible lubricant is its own field. Without a lubricant the guess lies
- * between both fields. If only one lubricant has states, another one uses them unchanged. */
+ * guess for the incompressible lubricant is its own field. If the contact gives no lubricant, the
+ * guess lies between both fields. If only one lubricant has states, these states are used unchanged
+ * for another lubricant. */
 static void lubricants_are_told_apart(void **state) {
     enum { ALL = 2 * MOST * MOST };
     const ehd_lubricant of[2] = {barus(false), barus(true)};
@@ -208,7 +209,7 @@ static void lubricants_are_told_apart(void **state) {
     places_free(&self);
 }
 
-/* With too few states of the contact's lubricant for a quadratic fit, the fit also uses states of
+/* If the contact's lubricant has too few states for a quadratic fit, the fit also uses states of
  * other lubricants. The guess of an affine field of two lubricants is then exact. */
 static void few_states_of_two_lubricants(void **state) {
     enum { COLUMNS = 4, ROWS = 2 };
@@ -488,7 +489,8 @@ static void outside_the_nearest_range(void **state) {
             assert_non_null(range);
             for (int i = 0; i < 4; i++) {
                 contact_place place = at[i];
-                // the last place is in the small range of M, but thinned too much for both ranges
+                // the last place is in the small range of M, but its thinning is too large for both
+                // ranges
                 place.thinning.sliding = kind == 0 ? 0 : i == 3 ? 0.3 : 0.15;
                 found[r][i] = trained_range_outside(range, NULL, place);
             }

@@ -43,9 +43,9 @@ enum { NODES = 12, MODES = 2, SELECTED = 3 };
 
 static const size_t selected[SELECTED] = {1, 4, 9};
 
-/* Makes two residuals for each of three states. The first is not converged and large at node 5. The
- * second is converged: a sum of the modes plus a deviation at node 7, 2 or 10, which decreases from
- * state to state. */
+/* Makes two residuals for each of three states. The first residual is not converged, and is large
+ * at node 5. The second residual is converged. It is a sum of the modes plus a deviation at node 7,
+ * 2 or 10. The deviation decreases from state to state. */
 static void make_snapshots(double residuals[6][NODES], double modes[MODES][NODES]) {
     const size_t places[] = {7, 2, 10};
 
@@ -115,7 +115,8 @@ static void choice_survives_failing_allocations(void **state) {
 static const size_t control_nodes[] = {20, 1, 150, 203, 250, 253, 255, 257, 259};
 enum { NUM_CONTROL = sizeof control_nodes / sizeof *control_nodes };
 
-/* Keeps the weighted residual of all rows at the initial state. Called once per iteration. */
+/* Keeps the weighted residual of all rows at the initial state. The solver calls this function once
+ * per iteration. */
 static ehd_status keep_first(void *context, const double *residual, const double *step,
                              ehd_error *ignored) {
     double *kept = context;
@@ -274,7 +275,7 @@ static void film_gradient(double *gradient, reduced_solver *solver, const reduce
     }
 }
 
-/* Computes the change of a film by each row's residual: the shortest x with J^T x = gradient. */
+/* Computes how much each row's residual changes a film: the shortest x with J^T x = gradient. */
 static void shortest_cause(double *cause, const problem *last, const double *gradient) {
     double copy[400 * 40];
 
@@ -316,7 +317,8 @@ static double moved(const problem *last, const double *left, const double *gradi
 }
 
 /* Errors of pressures, load and fields follow from the residual of each row, like the error of the
- * central film. `added` is added to the squared residuals of the rows. */
+ * central film. The array `added` contains squared residuals that are added to the squared
+ * residuals of the rows. */
 static void other_errors_are_what_each_row_does(void **state) {
     static problem last;
     (void)state;

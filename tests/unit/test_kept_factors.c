@@ -97,8 +97,9 @@ static void kept_factors_serve_steps_alike(void **state) {
         }
 }
 
-/* Factors of a step twice as long double each change of the solution. The solver detects this in
- * the second iteration and continues with the Jacobian at the state reached. */
+/* With factors of a step twice as long, each iteration changes the solution by twice the right
+ * amount. The solver detects this in the second iteration. It then uses the Jacobian at the state
+ * that it has reached. */
 static void slow_factors_are_replaced_near_the_solution(void **state) {
     size_t num_own = 0, num_slow = 0;
     (void)state;

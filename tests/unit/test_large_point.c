@@ -39,8 +39,9 @@ static void threads_change_no_bit(void **state) {
     }
 }
 
-/* On the way to a large grid, small grids use a multigrid cycle instead of factors. Their solutions
- * equal the usual solutions up to round-off, and threads change no bit. */
+/* If a small grid is solved on the way to the solution on a large grid, a multigrid cycle is used
+ * instead of factors. The solution equals the usual solution on the small grid up to round-off.
+ * Threads change no bit of this solution. */
 static void a_small_grid_is_solved_as_a_large_one(void **state) {
     (void)state;
     const ehd_contact contact = sample_point("barus", "dowson-higginson", 20, 10, 96, true);

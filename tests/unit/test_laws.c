@@ -55,7 +55,8 @@ static const lubricant_law density_elastic = {
     .prepare = elastic_prepare,
     .evaluate = elastic};
 
-/* Two density laws with the most keys a law may have. A table has no room for the last keys. */
+/* Two density laws, each with as many keys as a law may have. A table has no room for the last
+ * keys. */
 #define KEY(key)                                                                                   \
     { key, LAW_OPTIONAL, NULL, "0", 0, 1, "1", "One of many" }
 #define FIVE(key) KEY(key "1"), KEY(key "2"), KEY(key "3"), KEY(key "4"), KEY(key "5")
@@ -239,7 +240,8 @@ static void a_law_that_there_is_no_room_for_is_refused(void **state) {
                                     "expected at most 31");
 }
 
-/* Returns the need of a preset or constant; -1 for others, whose needs may differ between laws. */
+/* Returns the need of a parameter that is a preset or a constant. Returns -1 for other parameters,
+ * whose needs may differ between laws. */
 static int role_of(const law_parameter *parameter) {
     return parameter->need == LAW_PRESET || parameter->need == LAW_CONSTANT ? (int)parameter->need
                                                                             : -1;

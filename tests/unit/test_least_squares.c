@@ -102,9 +102,10 @@ static void equals_lapack(void **state) {
         }
 }
 
-/* The error of the normal equations grows with the square of the condition number, to 1e-5 at 1e6.
- * Up to 1e6 they are used, since their factors are cheap and can be reused (least_squares_again).
- * At 1e8 they would fail; QR has an error of 1e-9. */
+/* The error of the normal equations is proportional to the square of the condition number. The
+ * error is 1e-5 at a condition number of 1e6. Up to this number the normal equations are used,
+ * since their factors are cheap and can be reused (least_squares_again). At 1e8 the normal
+ * equations would fail; QR has an error of 1e-9. */
 static void qr_takes_over_where_normal_equations_fail(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], expected[COLUMNS];

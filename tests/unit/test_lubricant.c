@@ -102,7 +102,8 @@ static void wlf_coefficients_and_limits(void **state) {
     }
 }
 
-/* The viscosity rises with a finite slope up to its pressure limit, and is constant above. */
+/* The viscosity of a law rises with a finite slope up to the pressure limit of the law. Above the
+ * limit, the value at the limit is used. */
 static void viscosity_rises_to_its_limit(void **state) {
     (void)state;
     for (int l = 2; l < NUM_SAMPLE_LUBRICANTS; l++) {

@@ -264,7 +264,8 @@ static void tolerance_controls_the_error(void **state) {
     check_close(log10((double)count[2] / (double)count[1]), 2. / 3, 0, 0.15);
 }
 
-/* Every accepted step has a local error below the tolerance; the largest error is close to it. */
+/* Every accepted step has a local error below the tolerance, and the largest error is close to the
+ * tolerance. Some steps that are too long are tried and repeated. */
 static void accepted_steps_keep_the_tolerance(void **state) {
     (void)state;
     static const char *const transients[] = {
@@ -393,7 +394,8 @@ static void run_late(run *self, double step, double steps_before, double end_tim
     assert_int_equal(run_on(self), EHD_OK);
 }
 
-/* Times stay multiples of the step after many steps, also if no double equals the step. */
+/* Times stay multiples of the step after many steps, also if a double cannot represent the step
+ * exactly. */
 static void fixed_steps_go_on_late_in_time(void **state) {
     static const struct {
         double step, steps_before;
@@ -443,7 +445,8 @@ static void times_that_differ_by_rounding_are_one(void **state) {
     }
 }
 
-/* Runs with transport along the path; the table has times k/30, written with `digits` digits. */
+/* Runs with transport along the path and a linear table. The times of the table are k/30, written
+ * with `digits` digits. */
 static void run_thirtieths(int digits) {
     static const ehd_contact line = {.kind = &contact_line,
                                      .approach_length = 1,
@@ -502,7 +505,8 @@ static void many_kinks_are_no_standstill(void **state) {
     leave_folder(state);
 }
 
-/* The times are kinks, multiples of the step, and the end. */
+/* Kinks, multiples of the step and the end count as one time if they are closer than a thousandth
+ * of the step. */
 static void times_closer_than_a_thousandth_of_the_step_are_one(void **state) {
     static const struct {
         double start, other; // start of the ramp of the load, and of the speed
@@ -724,9 +728,10 @@ static void steps_along_the_path_stay_at_the_shortest(void **state) {
     run_end(&first);
 }
 
-/* Steps become shorter if the errors along the path exceed eight tolerances. At 32 tolerances the
- * error of a step, which is of third order, counts four times, so there are 4^(1/3) times as many
- * steps. With upwind transport these errors do not count. */
+/* If the errors along the path exceed eight tolerances, steps become shorter. If these errors reach
+ * 32 tolerances, the error of each step counts four times. The error of a step is of third order in
+ * the step, so the number of steps is 4^(1/3) times as large. With upwind transport the errors
+ * along the path do not count. */
 static void what_films_have_taken_up_shortens_steps(void **state) {
     (void)state;
     static const double tolerances[] = {0, 7.9, 32, 32};
@@ -748,10 +753,12 @@ static void what_films_have_taken_up_shortens_steps(void **state) {
     }
     check_close(num_steps[1], num_steps[0], 0, 0);
     check_close(num_steps[2] / num_steps[0], pow(4, 1. / 3), 0.05, 0);
-    check_close(num_steps[3], num_steps[0], 0.15, 0); // upwind steps follow from another order
+    // with upwind transport the lengths of steps follow from an error of another order
+    check_close(num_steps[3], num_steps[0], 0.15, 0);
 }
 
-/* With transport along the path, the first step after a jump is as short as steps may be. */
+/* With transport along the path, the first step after a jump is as short as steps may be. The first
+ * step of the run is longer. */
 static void the_step_after_a_jump_along_the_path_is_short(void **state) {
     (void)state;
     static const ehd_contact line = {.kind = &contact_line,

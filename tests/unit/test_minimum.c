@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-/* A film whose minimum is 0.3, `along` and `across` grid steps away from node (30, 7). */
+/* A film whose minimum, 0.3, lies `along` and `across` grid steps away from node (30, 7). */
 typedef struct valley {
     ehd_grid grid;
     double along, across, third, fourth;
@@ -58,7 +58,7 @@ static void exact_for_quartics(void **state) {
     }
 }
 
-/* The valley slants by several nodes a line, as in the horseshoe of a point contact. */
+/* From line to line the valley moves by several nodes, as in the horseshoe of a point contact. */
 static void along_a_slanting_valley(void **state) {
     (void)state;
     for (double slant = -4; slant <= 4; slant += 0.5) {

@@ -31,7 +31,8 @@ static void add_flow(double *row, double across, bool at_mirror) {
     }
 }
 
-/* Adds the upwind difference of the deflection by the pressures at the node and its neighbours. */
+/* Adds the upwind difference of the deflection that the pressures at the node and its neighbours
+ * cause. */
 static void add_entrainment(double *row, bool at_mirror) {
     const double kernel[2][2] = {{3, 0.54}, {0.54, 0.21}}, upwind[3] = {1.5, -2, 0.5};
 
@@ -72,7 +73,8 @@ static void residual(double *y, multigrid *cycle, const double *b, const double 
     }
 }
 
-/* Returns the largest error after a number of cycles; the exact solution is between -1 and 1. */
+/* Returns the largest error after a number of cycles. Each cycle solves for the residual that the
+ * earlier cycles have left. The exact solution is between -1 and 1. */
 static double error_on(ehd_grid grid, size_t cycles) {
     multigrid *cycle = multigrid_create(&grid, NULL);
     const size_t bytes = grid.num_inner * sizeof(double);

@@ -349,8 +349,9 @@ static online_state any_step(any_steps *self, double time, double step) {
     return state;
 }
 
-/* Makes small equal steps from the saved state, then restores it; *state: the last result. Returns
- * false if a step does not converge, as one of 300,000 steps of 1e-9 did. */
+/* Makes small equal steps from the saved state, and then restores the saved state. *state is the
+ * result of the last small step. Returns false if a step does not converge. Of 300,000 steps of
+ * 1e-9 one step did not converge. */
 static bool goes_in_small_steps(any_steps *self, online_state *state, double step, size_t parts) {
     const double part = step / (double)parts;
     bool converged = true;
@@ -383,8 +384,9 @@ static double off(const online_state *found, const online_state *expected) {
     return fmax(of.central, of.minimum);
 }
 
-/* Makes a step of random length, 1e-9 to 1 periods of the load, or a shorter one whose local error
- * is below the tolerance. Compares the result with small steps over the same time. */
+/* Makes a step of random length, 1e-9 to 1 times the period of the load. Tries shorter steps until
+ * the local error is below the tolerance, like an integrator. Compares the result with the result
+ * of small steps over the same time. */
 static void take_any_step(any_steps *self, uint64_t *seed, double tolerance) {
     const double shortest = 1e-9, most_parts = 16;
     double step = pow(shortest, random_next(seed));
@@ -1159,7 +1161,8 @@ static void a_start_from_an_approach_finds_its_load(void **unused) {
             conditions.approach = by_load.scalars.rigid_approach;
             check_ok(online_transient_start(&by_approach, contact, &conditions, &error));
             assert_int_not_equal(by_approach.status, EHD_NOT_CONVERGED);
-            // the starts have different closures, so their errors differ, more outside of training
+            // the least squares of the two starts have different closures, so their errors differ,
+            // and they differ more outside of the training
             const double near = fabs(load - 1) < 0.1 ? 1e-6 : load > 0.8 && load < 1.6 ? 1e-4 : 0.1;
             check_close(by_approach.scalars.load, load, near, 0);
             check_close(by_approach.half_width, sqrt(load), near, 0);

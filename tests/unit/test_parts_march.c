@@ -30,7 +30,8 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* Returns a basis with a mode for every node, trained for `load` times the training's loads. */
+/* Returns a basis with a mode for every node. Its trained range is the range of the training, with
+ * all loads multiplied by the factor `load`. */
 static reduced_basis part_basis(const trained *of, deformation_kind kind, const double *weight,
                                 double load) {
     reduced_basis nodes = marching_nodes(of, kind, weight);

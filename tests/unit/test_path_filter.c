@@ -87,7 +87,8 @@ static void the_sum_is_kept_and_the_rim_left_alone(void **state) {
     check_close(last, 1, 0, 0);
 }
 
-/* Each line of a point has its own filter length; lines beyond the dry contact have none. */
+/* On each line of a point contact the filter has a length of its own. Lines beyond the rim of the
+ * dry contact are not filtered. */
 static void lines_across_go_by_their_distance(void **state) {
     const ehd_grid grid = grid_of(-2, 0.02, 201, 76, true, DISCRETIZATION_ACCURATE);
     (void)state;

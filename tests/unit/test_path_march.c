@@ -98,7 +98,8 @@ static void step_on(march_step *last, const march_solver *solver, const contact_
     solver->accept(solver->self);
 }
 
-/* Returns the iterations of twenty steps with this tolerance; *film: the last central film. */
+/* Returns the number of iterations of twenty steps with this time-step tolerance. *film is the
+ * central film after these steps. */
 static size_t iterations_with(double *film, double tolerance) {
     const size_t num_steps = 20;
     marching self;
@@ -116,7 +117,8 @@ static size_t iterations_with(double *film, double tolerance) {
     return all - before;
 }
 
-/* A tolerance of the time steps changes the film by much less than the tolerance itself. */
+/* If a tolerance of the time steps is set, the solver makes fewer iterations. The resulting change
+ * of the film is much smaller than this tolerance. */
 static void a_tolerance_of_the_steps_saves_iterations(void **state) {
     (void)state;
     const double tolerance = 1.5e-3;
@@ -272,8 +274,9 @@ static bool is_on_the_way(const ehd_grid *grid, size_t row) {
     return grid_x(grid, k) > -1 && grid_x(grid, k) < 0.1 && fabs(grid_y(grid, k)) < 0.1;
 }
 
-/* Checks the local error that a film accumulates on its way to the centre. A model with only one
- * row on this way must not report a much smaller error than a model with all rows. */
+/* Checks the local error, which a film accumulates on its way to the centre. The error is evaluated
+ * at nodes, not at rows: a model with only one row on this way must not report a much smaller error
+ * than a model with all rows. */
 static void check_error_of_few_rows(const problem *of) {
     const ehd_grid *grid = &of->basis.grid;
     size_t *rows = calloc(grid->num_inner, sizeof *rows), num_rows = 0, on_the_way = 0;

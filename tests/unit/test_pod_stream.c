@@ -67,7 +67,8 @@ static void known_free(known *self) {
     free(self->values);
 }
 
-/* Returns the first rows of the orthonormal cosine transform (DCT-II) of `length` points. */
+/* Returns the first num_waves rows of the orthonormal cosine transform (DCT-II) of `length`
+ * points. */
 static double *cosines(size_t num_waves, size_t length) {
     double *waves = numbers(num_waves * length);
     for (size_t j = 0; j < num_waves; j++)

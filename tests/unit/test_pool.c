@@ -13,7 +13,8 @@
 enum { NUM_POINTS = 40, NONE = -1 };
 
 /* Counts of calls, and the calls that the test lets fail. Several threads may be in `begin`, `end`
- * and `solve` at a time, so these functions use `lock`. Only one thread is in `start` or `finish`. */
+ * and `solve` at a time, so these functions use `lock`. Only one thread at a time is in `start` or
+ * `finish`, so these functions need no lock. */
 typedef struct notes {
     pthread_mutex_t lock;
     const size_t *parent;

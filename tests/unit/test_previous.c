@@ -101,7 +101,8 @@ static double carry_error(const ehd_contact *reference, size_t i, size_t j, doub
     return largest;
 }
 
-/* A change of the frame alone moves no lubricant; cubic splines have an error of fourth order. */
+/* A change of the frame alone moves no lubricant. The only error is the error of cubic splines,
+ * which has fourth order. */
 static void change_of_frame_keeps_the_physical_film(void **state) {
     (void)state;
     static const char *const densities[] = {"incompressible", "dowson-higginson"};

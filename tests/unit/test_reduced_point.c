@@ -114,7 +114,8 @@ static void full_rank_reproduces_the_full_model(void **state) {
     check_full_rank(DEFORMATION_INDEPENDENT, 6); // more than a thousand unknowns
 }
 
-/* The start is near the solution, on the whole grid and on the half grid. */
+/* If the basis contains the solution, the solver finds this solution from a start nearby, on the
+ * whole grid and on the half grid. */
 static void a_basis_with_the_solution_finds_it(void **state) {
     (void)state;
     for (int b = 0; b < NUM_BASES; b++) {
@@ -311,7 +312,8 @@ static void exit_lines_are_found(void **state) {
     reduced_basis_free(&basis);
 }
 
-/* If exits are searched only on every second line and interpolated, the film hardly changes. */
+/* If exits are searched only on every second grid line and interpolated on the other lines, the
+ * film hardly changes. */
 static void exits_between_lines_are_interpolated(void **state) {
     (void)state;
     const size_t s = 6;

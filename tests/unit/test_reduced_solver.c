@@ -272,7 +272,8 @@ static void another_linear_solver_may_be_put_in(void **state) {
     two_ways_free(&ways);
 }
 
-/* Makes the first step far too long, so it is damped, and the second step far too short. */
+/* Makes the first step far too long, so that the solver damps this step, and makes the second step
+ * far too short. */
 static ehd_status overshoot(double *step, void *context, const double *matrix, const double *right,
                             size_t num_rows, size_t num_unknowns) {
     other_solver *self = context;
@@ -330,9 +331,10 @@ static void truncated_bases_stay_near(void **state) {
     }
 }
 
-/* In the published discretisation all solutions converge, with 850 iterations, because of damping
- * and a limit of the exit's strides. In the accurate discretisation 8 of 144 solutions, with the
- * lightest load and the most viscous lubricant, end in another minimum of the residual. */
+/* Solves each training point, starting from the solution of each training point, in the published
+ * discretisation. Because of damping and a limit of the exit's strides all these solutions
+ * converge, with 850 iterations. In the accurate discretisation 8 of 144 solutions end in another
+ * minimum of the residual. All 8 have the lightest load and the most viscous lubricant. */
 static void any_trained_solution_leads_to_any_other(void **state) {
     (void)state;
     const reduced_settings settings = reduced_default_settings();
@@ -565,8 +567,9 @@ static void thinned_rows_equal_finite_differences(void **state) {
 
 // ---- moving the exit
 
-/* A wrong exit moves by one or several nodes at a time, with rank-k updates of the tables. The
- * results must equal the results by definition, and must not depend on the first exit. */
+/* Newton's iteration moves a wrong exit by one or several nodes at a time, each time with a rank-k
+ * update of the tables. The results come from the updated tables. These results must equal the
+ * results that the final state has by definition, and must not depend on the first exit. */
 static void moving_the_exit_equals_rebuilding(void **state) {
     (void)state;
     enum { STATE = 4 };
@@ -606,7 +609,8 @@ static void moving_the_exit_equals_rebuilding(void **state) {
     free(pressure);
 }
 
-/* The right exits of these contacts lie outside of the exit band, where the tables end. */
+/* The right exits of these contacts lie outside of the exit band. The solver must keep its exit
+ * inside the band, because its tables end with the band. */
 static void the_exit_stays_inside_the_tables(void **state) {
     (void)state;
     const double moes_M[] = {2, 4, 5, 6, 7, 300};

@@ -117,10 +117,10 @@ static ehd_contact point_from(double moes_M, double moes_L, double length, doubl
     return contact;
 }
 
-/* Compares the estimate with the change of the film to the limit of long domains. The limit is
- * extrapolated, with a difference proportional to one over the length. The films are computed on
- * grids with twice the step, as in the estimate. For the minimum film the estimate is only an upper
- * bound. */
+/* Compares the estimate with the change of the film from this domain to the limit of long domains.
+ * The limit is extrapolated from two lengths: the difference from the limit is taken as
+ * proportional to one over the length. The films are computed on grids with twice the step, as in
+ * the estimate. For the minimum film the estimate is only an upper bound. */
 static void inlet_effect_of_a_point_contact(void **state) {
     (void)state;
     static const struct {

@@ -98,7 +98,8 @@ static void check_exits(const marched *self) {
     }
 }
 
-/* Fields mirror the fields half a period before, once the start has no effect any more. */
+/* Once the start has no effect any more, the fields are the mirror image of the fields half a
+ * period before. */
 static void half_a_period_later_is_the_mirror_image(void **state) {
     char transient[256];
     (void)state;

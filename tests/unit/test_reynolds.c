@@ -344,7 +344,8 @@ static void first_row_has_no_second_node_back(void **state) {
     assert_int_equal(second.node[NODE_BACK2], 0);
 }
 
-/* The rows of simple isoviscous fields are known, including their discretisation error. */
+/* For an isoviscous lubricant and simple fields, the rows can be computed by hand, including their
+ * discretisation error. */
 static void manufactured_rows(void **state) {
     (void)state;
     ehd_contact contact = sample_published(sample_contact("barus", "dowson-higginson", 10, 0, 0.1));

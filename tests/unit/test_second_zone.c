@@ -60,7 +60,8 @@ static void integrate(double *pressure, const closing *of, double begin, double 
 
 /* Finds the zone whose pressure is zero also at the end; returns where the zone begins. */
 static double find_zone(double *pressure, const closing *of, double end, size_t num) {
-    // the pressure at the end is positive if the zone begins at `low`, negative at `high`
+    // the pressure at the end is positive if the zone begins at `low`, and negative if the zone
+    // begins at `high`
     double low = 1.01, high = 2 * of->speed / of->growth;
 
     for (int i = 0; i < 60; i++) {

@@ -299,7 +299,8 @@ static void all_nodes_can_be_selected(void **state) {
     free(jacobian_modes);
 }
 
-/* At each node one of the two bases is zero. */
+/* At each node one of the two bases is zero, so a row that is selected for one basis is zero in the
+ * other basis. */
 static void survives_singular_systems(void **state) {
     (void)state;
     enum { NUM_NODES = 40, HALF = NUM_NODES / 2, NUM_ROWS = 16 };

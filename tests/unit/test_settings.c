@@ -886,7 +886,8 @@ static void the_default_boundary_is_open(void **state) {
     assert_string_equal(of.boundary, "zero");
 }
 
-/* The default holds for lines and points, stationary and transient, from files and programs. */
+/* The default is the same for lines and points, for stationary and transient scenes, and for scenes
+ * from a file or from a program. */
 static void the_default_discretization_is_accurate(void **state) {
     scene of;
     (void)state;
@@ -953,7 +954,8 @@ static void files_are_relative_to_the_file_that_names_them(void **state) {
     assert_string_equal(of.transient.vary[VARY_LOAD].file, "set.csv");
     assert_int_equal(scene_parse(&of, text, strlen(text), "deep/s.yml", NULL, 0, &error), EHD_OK);
     assert_string_equal(of.transient.vary[VARY_LOAD].file, "cam.csv");
-    // paths are relative to the folder of the scene, the plan and the list in groups 1, 2 and 3
+    // paths are relative to the folder of the scene in group 1, of the plan in group 2, and of the
+    // list in group 3
     write_file("deep/points.csv", "transient.load.file\n/abs.csv\nlist.csv\n");
     snprintf(text, sizeof text,
              "groups:\n- scene: deep/scene.yml\n"

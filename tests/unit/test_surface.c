@@ -458,7 +458,8 @@ static void a_dented_film_passes_the_middle_as_it_is(void **state) {
     marched_end(&second);
 }
 
-/* Once the front end of a waviness has left the contact, its initial place has no effect. */
+/* Once the initial film and the front end of a waviness have left the contact, the initial place of
+ * this end has no effect. */
 static void a_waviness_forgets_its_end(void **state) {
     (void)state;
     scene of = along_path(0.05, "end_time: 9, fixed_step: 0.05");

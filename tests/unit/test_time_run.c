@@ -233,7 +233,8 @@ static void check_contains(const char *text, const char *part) {
     if (!strstr(text, part)) fail_msg("found \"%s\", expected in it \"%s\"", text, part);
 }
 
-/* Interrupts a run at each attempt, and the resumed run two attempts later. */
+/* For each attempt: interrupts a run at this attempt, interrupts the resumed run two attempts
+ * later, and resumes the run again. */
 static void resumed_reports_what_an_uninterrupted_run_does(void **state) {
     (void)state;
     char whole_out[TEXT], whole_err[TEXT];

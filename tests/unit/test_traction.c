@@ -57,8 +57,8 @@ static void laws_have_their_limits(void **state) {
         check_close(contact_shear_stress(&contact, pressure, film, 0), newton, 1e-12, 0);
         set_shear(&contact, "limiting", 1e6 * newton / pressure, NAN);
         check_close(contact_shear_stress(&contact, pressure, film, 0), newton, 1e-6, 0);
-        // near its characteristic stress a law is checked by its definition, the rate of shear for
-        // a stress
+        // near its characteristic stress a law is checked by its definition, which gives the rate
+        // of shear for a stress
         const double tau0 = newton * hertz / 3, viscous = newton * hertz;
         set_shear(&contact, "eyring", tau0, NAN);
         double stress = contact_shear_stress(&contact, pressure, film, 0) * hertz;
