@@ -25,6 +25,7 @@ END = 2.5
 LOAD, SPEED = (0.87, 1.13), (0.75, 1.25)  # factors inside; the training has 0.85 to 1.15 and 0.7 to 1.3
 BEYOND = 2  # ranges outside over ranges inside
 RUN = ["number", "where", "promise", "code", "common", "central", "minimum", "load", "speed", "cost"]
+REPEAT = 2  # runs of a program, of which the least processor time counts
 OPTIONS = {"none": [], "fallback": ["--fallback", "full"]}  # options for promises that are no number
 
 
@@ -101,10 +102,12 @@ def processor_seconds():
 
 def solved(program, scene, out, *options):
     """Runs a program. Returns its exit code, its processor time, and times with central and minimum film."""
-    before = processor_seconds()
-    code = results.run(program, scene, "-o", out, "--force", "--quiet", "--set", "output.fields=false", *options,
-                       outcomes=range(-255, 256)).returncode
-    seconds = processor_seconds() - before
+    seconds = np.inf
+    for _ in range(REPEAT):
+        before = processor_seconds()
+        code = results.run(program, scene, "-o", out, "--force", "--quiet", "--set", "output.fields=false", *options,
+                           outcomes=range(-255, 256)).returncode
+        seconds = min(seconds, processor_seconds() - before)
     if code not in (results.SOLVED, results.NOT_TRUSTED):
         return code, seconds, None
     return code, seconds, np.array(list(results.printed(out, "time", "central_film_thickness",
