@@ -483,15 +483,16 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
     // then be too small by chance.
     self->effects.of[EFFECT_INLET_MINIMUM] =
         fmax(self->effects.of[EFFECT_INLET], safety * fabs(of_minimum[1]));
-    const double step = SAFETY * step_effect(central, of_central, order, default_accuracy, 0.5);
+    // If the films of a line contact alternate, their limit need not lie half way between two of
+    // them (README.md, Estimates of inlet and step).
+    const double opposite = is_line ? 1 : 0.5;
+    const double step =
+        SAFETY * step_effect(central, of_central, order, default_accuracy, opposite);
     // on coarse steps the films of point contacts converge too irregularly for an estimate, except
     // with the published rows
     const bool is_known = is_line || is_published || step <= resolution_limit;
     self->effects.of[EFFECT_STEP] = is_known ? step : INFINITY;
-    // The minimum films of the three grids may agree by chance. If the minimum films of a line
-    // contact alternate, their limit need not lie half way between two of them (README.md,
-    // Estimates of inlet and step).
-    const double opposite = is_line ? 1 : 0.5;
+    // the minimum films of the three grids may agree by chance
     self->effects.of[EFFECT_STEP_MINIMUM] =
         fmax(self->effects.of[EFFECT_STEP],
              SAFETY * step_effect(minimum, of_minimum, 2, resolution_limit, opposite));
