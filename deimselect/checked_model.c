@@ -80,7 +80,8 @@ static void warn_in_time(const check_run *self, const trade_position *whole) {
 }
 
 /* Warns if the error of the whole model on stationary scenes exceeds the default accuracy, or if a
- * scene has no solution. The warning names the worst place, where more training points help. */
+ * scene has no solution. The warning names the worst scene (validation_worst), around which
+ * training points are missing. */
 static void warn_of(const check_run *self, const trade_position *whole) {
     const double central = whole->deviation[TRADE_CENTRAL_FILM][TRADE_WORST];
     const double minimum = whole->deviation[TRADE_MINIMUM_FILM][TRADE_WORST];

@@ -16,7 +16,8 @@ typedef struct check_task {
 
 /* Solves the check scenes (check_scenes.h) with the full model and measures the error of each model
  * size like romrun calibrate. Writes caller->output with the table of model sizes. Warns if an
- * error of the whole model exceeds the default accuracy, or if the model does not solve a scene.
+ * error of the whole model, the largest size, exceeds the default accuracy, or if the model does
+ * not solve a scene.
  *
  * EHD_UNTRUSTED: the model is written, but is not to be trusted, for one of two reasons:
  * - The model has no table, because no scene lies between the training points, or because the full

@@ -9,10 +9,11 @@
 
 /* Selects the control rows: the rows at which the residual is predicted worst from the selected
  * rows. The residuals of converged reduced solutions are used, scaled to unit norm. The prediction
- * fits residual modes at the selected rows. The control rows are the pivots in a QR factorisation
- * of the prediction errors. Their number is at most the number of converged solutions. If
- * *num_control is larger and was `given` by the user, returns EHD_DATA. If it is larger and was not
- * given, selects fewer rows. Errors: EHD_DATA, EHD_MEMORY, EHD_INTERNAL (LAPACK). */
+ * is the combination of residual modes that fits the residual at the selected rows. The control
+ * rows are the pivots in a QR factorisation of the prediction errors. Their number is at most the
+ * number of converged solutions, and of rows that are not selected. If *num_control is larger and
+ * was `given` by the user, returns EHD_DATA. If it is larger and was not given, selects fewer rows.
+ * Errors: EHD_DATA, EHD_MEMORY, EHD_INTERNAL (LAPACK). */
 ehd_status control_choose(
     // output:
     size_t *control, // [*num_control] indices of inner nodes, like `rows`

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Selects rows that remain stable when the exit moves. The joint greedy method selects as many rows
- * as there are leading modes. Each further row improves the worst direction at the worst exit of
- * training. This direction is the eigenvector of the smallest eigenvalue of the Gram matrix of the
- * selected rows (E-optimal design). GappyPOD+E is this method without exits (Peherstorfer, Drmac
- * and Gugercin, SIAM J. Sci. Comput. 2020).
+ * as there are leading modes. Each further row improves the direction (combination of modes) that
+ * the rows determine worst, at the worst exit of training. This direction is the eigenvector of the
+ * smallest eigenvalue of the Gram matrix of the selected rows (E-optimal design).
+ * GappyPOD+E is this method without exits (Peherstorfer, Drmac and Gugercin, SIAM J. Sci. Comput.
+ * 2020).
  * Called by row_choice.c for --method exits. */
 #include "deimselect/selection.h"
 #include "deimselect/stability.h"

@@ -58,9 +58,9 @@ static bool interpolation_init(interpolation *self, const double *modes, size_t 
            self->residual;
 }
 
-/* Solves R a = Q^T b by back substitution. If a diagonal entry is zero to working precision, the
- * solution is not unique. The coefficient of this entry is then set to zero, which gives one of the
- * minimisers. */
+/* Solves R a = Q^T b by back substitution, where b is the next mode at the selected rows. If a
+ * diagonal entry is zero to working precision, the solution is not unique. The coefficient of
+ * this entry is then set to zero, which gives one of the minimisers. */
 static void solve_at_selected_rows(interpolation *self, const size_t *rows) {
     const size_t size = self->size, capacity = self->capacity;
     const double *mode = self->modes + size * self->num_nodes;

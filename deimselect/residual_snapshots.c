@@ -13,8 +13,9 @@ const char *const residual_names[] = {"residuals", "Jacobian products"};
 static const char *const field_names[] = {"weighted_residual", "weighted_jacobian_step"};
 
 /* Fractions of the energy that streams of residuals or Jacobian products may omit. local_energy is
- * as for compressed trajectories (snapgen/trajectory.c). dropped_energy is for directions that are
- * dropped when the memory is full. Modes below these limits would select rows by round-off. */
+ * the fraction that compressed trajectories omit (snapgen/trajectory.c). dropped_energy is for
+ * directions that are dropped when the memory is full. Modes below these limits would select rows
+ * by round-off. */
 static const pod_stream_settings of_sets = {.local_energy = 1e-22, .dropped_energy = 1e-16};
 
 /* Fractions of the energy that streams of residuals of unit norm may omit. Only the largest entries

@@ -72,7 +72,7 @@ ehd_status residual_snapshots_pod(
 /* Returns the converged residuals, each scaled to unit norm. If the residuals are streamed, returns
  * a matrix with fewer rows. Its columns have the same Gram matrix as the columns of the residuals,
  * up to 1e-12 of the trace, or up to 1e-8 if memory is short. The pivots of control_choose depend
- * only on this matrix. Errors as residual_snapshots_pod. */
+ * only on this Gram matrix. Errors as residual_snapshots_pod. */
 ehd_status residual_snapshots_unit(
     // output:
     double **rows, // [*num_rows, num_inner]; free()

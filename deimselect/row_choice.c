@@ -271,8 +271,8 @@ static ehd_status refuse_stability(const row_choice *choice, const selection_bas
                           reached, choice->num_rows, settings->method->name, settings->stability);
 }
 
-/* Doubles the number of rows until the rows reach the wanted stability. Keeps the smallest number
- * of leading rows that reaches the stability. */
+/* Doubles the number of rows until the rows reach the wanted stability. Then keeps only the first
+ * rows of the selection: as few as reach the stability, but at least as many as pressure modes. */
 static ehd_status select_stable_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
                                      const residual_snapshots *snapshots,
                                      const reduced_basis *basis, const row_settings *settings,

@@ -56,7 +56,7 @@ static void gather_row(double *row, const sampled_basis *self, size_t node) {
     cblas_dcopy((int)self->num_modes, self->modes + node, (int)self->num_nodes, row, 1);
 }
 
-/* Computes the diagonal of A^T A and its inverse for the given rows. */
+/* Computes the diagonal of A^T A, and the inverse of A^T A, for the given rows. */
 static ehd_status invert_gram(sampled_basis *self, const size_t *rows, size_t num_rows,
                               ehd_error *error) {
     const int n = (int)self->num_modes;
@@ -152,7 +152,7 @@ static void add_row(sampled_basis *self, size_t node) {
         self->gain[i] -= self->along[i] * self->along[i] / divisor;
 }
 
-/* Adds for each node the logarithm of the factor by which its row multiplies S of the basis. */
+/* Adds to objective[i] the logarithm of the factor by which row i would multiply S of the basis. */
 static void add_objective(double *objective, const sampled_basis *self) {
     for (size_t i = 0; i < self->num_nodes; i++)
         objective[i] +=
@@ -170,8 +170,9 @@ static size_t best_row(const double *objective, const bool *selected, size_t num
 }
 
 /* Returns the two bases from which pivoted QR selects the first rows. Each has half as many modes
- * as the smaller one of the full bases. Pivoted QR selects as many rows as one of them has modes.
- * With fewer rows the sampled columns are nearly dependent, and S is not a useful measure. */
+ * as the smaller one of the full bases. Pivoted QR selects as many rows as each returned basis has
+ * modes. With fewer rows the sampled columns are nearly dependent, and S is not a useful
+ * measure. */
 static selection_bases start_bases(const selection_bases *bases) {
     const int poorer = bases->num_modes[1] < bases->num_modes[0];
     selection_bases start = *bases;

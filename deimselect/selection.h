@@ -35,7 +35,7 @@ typedef ehd_status selection_function(
     const selection_bases *bases, size_t num_rows, ehd_error *error);
 
 typedef struct selection_method {
-    const char *name; // "joint"
+    const char *name; // argument of --method, such as "joint"
     selection_function *select;
     size_t rows_per_mode; // largest number of rows for each mode of a basis; 0: no limit
     size_t copies;        // number of copies of a basis that the method makes

@@ -24,7 +24,7 @@ typedef struct exit_block {
     double *gram;      // [num_resolved, num_resolved] Gram matrix of the selected rows in these
                        // directions
     double smallest;   // smallest eigenvalue of `gram`, or a lower bound of it if is_known is false
-    double *direction; // [num_resolved] eigenvector of `smallest`
+    double *direction; // [num_resolved] eigenvector of the eigenvalue `smallest`
     bool is_known;     // true: `smallest` and `direction` belong to the present `gram`
 } exit_block;
 
@@ -33,7 +33,7 @@ struct row_stability {
     // [num_lines] none: 0 on each line, an exit before all nodes; all: `width` on each line, an
     // exit behind all nodes
     size_t *none, *all;
-    size_t num_blocks;  // number of blocks: one of each basis for each exit and for all nodes
+    size_t num_blocks;  // two blocks, one for each basis, for each exit and for all nodes
     exit_block *blocks; // [num_blocks]
     bool *selected;     // [num_nodes]
     // work arrays
@@ -100,8 +100,8 @@ static ehd_status block_fill(exit_block *block, row_stability *self, double *run
     return EHD_OK;
 }
 
-/* Returns the number of nodes before an exit on each line. One more exit, which follows the exits
- * of training in the list, lies behind all nodes. */
+/* Returns the number of nodes before an exit on each line. The index num_exits stands for an
+ * additional exit that lies behind all nodes. */
 static const size_t *nodes_before(const row_stability *self, const selection_bases *bases,
                                   size_t exit) {
     return exit < bases->num_exits ? bases->exits + exit * self->num_lines : self->all;

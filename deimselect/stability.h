@@ -52,7 +52,7 @@ ehd_status row_stability_of(
     // input:
     const selection_bases *bases, const size_t *rows, size_t num_rows, ehd_error *error);
 
-/* Finds the smallest number of leading rows for which 1/sigma_min is at most `max_inverse`. If even
+/* Finds the smallest k for which 1/sigma_min of the first k rows is at most `max_inverse`. If even
  * all rows do not suffice, the result is num_rows + 1. Errors as row_stability_worst. */
 ehd_status row_stability_fewest(
     // output:

@@ -12,15 +12,15 @@
 /* Central film of the start, divided by the film of the film formula. If the film is too thick,
  * Newton's iteration corrects it in a few steps. If the film is too thin, the iteration drives it
  * to zero at the edges of the contact. 24 cold starts with extreme M and L were measured. With
- * ratios of 1.5, 2, 4 and 10 all of them converge, in 760, 731, 765 and 820 steps. With a ratio of
- * 1 eight cold starts fail (test_continuation.c, extremes_converge). */
+ * ratios of 1.5, 2, 4 and 10 all of them converge, in 760, 731, 765 and 820 Newton steps. With a
+ * ratio of 1 eight cold starts fail (test_continuation.c, extremes_converge). */
 static const double START_FILM = 2;
 
 /* Smallest stride of a continuation, as a fraction of the whole way. Of 89 cold starts by
  * continuation (M 0.5 to 1000, L 0 to 50, line and point contacts of three laws) 43 converge, with
- * strides of 1/8 or more. In the other starts the film falls to zero on their grid. The solver
- * gives up such a start. The number of solutions before that grows with the logarithm of this
- * stride (test_continuation.c, far_start_is_given_up_early). */
+ * strides of 1/8 or more. In the other starts the film falls to zero on the grid, and the solver
+ * gives up. The number of solutions until it gives up grows with the logarithm of this stride
+ * (test_continuation.c, far_start_is_given_up_early). */
 static const double MIN_STRIDE = 1. / 256;
 
 /* Ends the pressurised zone of the dry contact at a node. On a point contact only this
@@ -92,9 +92,9 @@ static ehd_contact contact_between(const ehd_contact *start, const ehd_contact *
     return between;
 }
 
-/* Solves contacts between a solved contact and the goal. The stride in s halves on failure and
- * doubles on success. `state` is the solution of the contact `start`, and becomes the last solution
- * that was found. */
+/* Solves contacts between a solved contact and the goal. The stride in s (contact_between) is
+ * halved on failure and doubled on success. `state` is the solution of the contact `start`, and
+ * becomes the last solution that was found. */
 static ehd_status continue_to(full_info *info, full_state *state, full_solver *solver,
                               const ehd_contact *start, const ehd_contact *goal, ehd_error *error) {
     double done = 0, stride = 1;
@@ -157,9 +157,9 @@ static ehd_status solve_from_dry(full_info *info, full_state *state, full_solver
     return status;
 }
 
-/* Solves a contact by continuation from a fluid that is hardly thinned. The thinned flow grows
- * exponentially with the pressure gradient. In a dry contact this gradient is so large that Newton
- * does not converge from the dry contact. */
+/* Solves a contact by continuation from a fluid that is hardly shear-thinned. The thinned flow
+ * grows exponentially with the pressure gradient. In a dry contact this gradient is so large that
+ * Newton does not converge from the dry contact. */
 static ehd_status solve_by_thinning(full_info *info, full_state *state, full_solver *solver,
                                     const ehd_contact *contact, ehd_error *error) {
     ehd_contact hardly = *contact;
@@ -278,8 +278,8 @@ ehd_status full_solve_from(full_info *info, full_state *state, full_solver *solv
     double before = program_seconds();
     full_info part;
 
-    // continuation from the start would take more iterations than a cold start: 2424 instead of
-    // 1389 for a plan of 40 line contacts far apart
+    // continuation from the given state would take more iterations than a cold start: 2424 instead
+    // of 1389 for a plan of 40 line contacts far apart
     ehd_status status = full_solve(info, state, solver, contact, NULL, error);
     if (!status && info->status != EHD_OK) {
         status = full_solve_cold(&part, state, solver, contact, error);

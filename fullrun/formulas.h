@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Prints published film formulas beside the solution of a contact, one line for each
+/* Compares published film formulas with the solution of a contact, one printed line per formula
  * (common/physics/README.md, Film formulas).
  * Called by main.c for --formulas. */
 #ifndef EHD_FORMULAS_H

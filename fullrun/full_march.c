@@ -114,7 +114,7 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     ehd_status status = discretization_check_in_time(reference->grid.discretization, error);
     if (status) return status;
     full_march *self = calloc(1, sizeof *self);
-    in_time.exit_at_node = true; // also at the start: an exit within a cell would cause a wave
+    in_time.exit_at_node = true; // an exit within a cell at the start would cause a wave
     if (!self) return ehd_no_memory(error, "full model");
     arena *memory = &self->memory;
     self->reference = *reference;
@@ -186,8 +186,8 @@ static double reference_approach(const full_march *self, const full_state *state
 /* MIN_STRIDE: smallest stride on the way to an approach or to a surface, as a fraction of the whole
  * way. SETTLED_LOAD: relative tolerance of the load. Of 120 approaches (line and point contacts, M
  * 5 to 100, L 0 to 10, H0 from -6 to 2) 73 are reached, with strides of 1/128 or more. At most of
- * the others the bodies separate. The search for an approach is given up after about 30 solutions
- * (test_full_march.c, start_from_an_approach_far_away; test_surface.c,
+ * the other approaches the bodies separate. The search for an approach is given up after about 30
+ * solutions (test_full_march.c, start_from_an_approach_far_away; test_surface.c,
  * one_at_rest_is_part_of_the_start). */
 static const double MIN_STRIDE = 1. / 1024, SETTLED_LOAD = 1e-8;
 
@@ -291,7 +291,7 @@ static ehd_status use_base(void *solver, ehd_error *error) {
     return entrain(self->entrained, base, &self->reference, error);
 }
 
-/* Adds the fraction `part` of the heights of a surface at rest to the gap of the start. A moving
+/* Adds the fraction `part` of the heights of a surface at rest to the initial gap. A moving
  * surface has not entered the contact yet (surface_check_start). */
 static void place_start_surface(full_march *self, const contact_frame *frame, double part) {
     const ehd_surface *surface = self->reference.surface;
@@ -306,8 +306,8 @@ static void place_start_surface(full_march *self, const contact_frame *frame, do
     full_solver_set_surface(self->solver, rests ? self->surface : NULL);
 }
 
-/* Continues from the start with smooth surfaces to the start with a surface at rest, whose heights
- * grow in steps. If the approach is given, the frame is adapted to the load. */
+/* Continues from the initial state of smooth surfaces to the initial state with a surface at rest,
+ * whose heights grow gradually. If the approach is given, the frame is adapted to the load. */
 static ehd_status add_surface(full_info *info, full_march *self, contact_frame *frame,
                               ehd_error *error) {
     full_state *state = &state_before(self, 0)->state, *last = &state_before(self, 1)->state;
@@ -440,10 +440,10 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     return EHD_OK;
 }
 
-// ---- a step
+// ---- a time step
 
-/* Predicts pressure and approach of the attempt by extrapolation from the previous states, each in
- * its own frame. The pressurised zone is that of the last state. */
+/* Predicts pressure and approach of the attempted time step by extrapolation from the previous
+ * states, each in its own frame. The prediction has the pressurised zone of the last state. */
 static void predict(full_march *self) {
     const bdf_formula *formula = &self->bdf.formula;
     full_state *state = &state_before(self, 0)->state;
@@ -462,8 +462,8 @@ static void predict(full_march *self) {
             formula->predictor[i] * state_before(self, i + 1)->state.rigid_approach;
 }
 
-/* Carries rho H of the previous states over into the attempt's frame, and adds up these values for
- * the rows, weighted by the BDF formula. With transport along the path, the only entrainment in the
+/* Transforms rho H of the previous states to the attempt's frame, and adds up these values for the
+ * rows, weighted by the BDF formula. With transport along the path, the only entrainment in the
  * rows is the entrainment of the base, which is added here. */
 static void carry_over(full_march *self, const contact_frame *frame) {
     const size_t num_inner = self->reference.grid.num_inner;
@@ -538,16 +538,16 @@ static double missed_mass(const full_march *self, size_t r) {
 
 /* Adds up the local errors that a film accumulates in the dry contact on its way from any place to
  * the centre. Returns the largest of these sums. The factor of the BDF formula (`error`) is left
- * out. If all steps are like this one, the sum is the error of rho H at the centre.
+ * out. If all time steps are like this one, the sum is the error of rho H at the centre.
  * - Errors are added along the grid lines, from the side of the inlet. Errors of opposite sign
  *   cancel. Thus errors that pass a node without staying in the film cancel too.
  * - Upstream of the dry contact the pressure determines the film. There, even fifty times larger
  *   errors do no harm.
  * - The film accumulates errors while it moves. For each half width of its path it takes
  *   1/|entrainment| units of T, of which at most one unit is counted.
- * - The sum is divided by the length of the step. If the step is shorter than frame_shortest_step,
- *   the sum is divided by frame_shortest_step, because noise does not become smaller in shorter
- *   steps. */
+ * - The sum is divided by the length of the time step. If the step is shorter than
+ *   frame_shortest_step, the sum is divided by frame_shortest_step, because noise does not become
+ *   smaller in shorter steps. */
 static double error_on_the_way(void *solver) {
     full_march *self = solver;
     const ehd_grid *grid = &self->reference.grid;
@@ -575,10 +575,10 @@ static double error_on_the_way(void *solver) {
            fmax(fabs(entrainment), 1);
 }
 
-// ---- effects of the steps on the films
+// ---- effects of the time steps on the films
 
 /* Sets `errors` to the errors of the last accepted film, plus the change of this film that the
- * filter causes in this step. */
+ * filter causes in this time step. */
 static void add_filter_errors(double *errors, full_march *self) {
     const previous_state *last = state_before(self, 1);
     const size_t num_nodes = self->reference.grid.num_nodes;
@@ -594,11 +594,11 @@ static void add_filter_errors(double *errors, full_march *self) {
 
 /* Computes the errors that the attempt's film has accumulated. They are the errors of the last
  * accepted film, carried along with the fluid, plus the local errors of this step. A film keeps the
- * errors that arise in the dry contact before the centre. Upstream of the dry contact, and around
- * spike and constriction, the pressure determines the film anew. If errors from these places were
- * added, the estimated effect on the minimum film of M = 20, L = 5 would be 18 % instead of 1.9 %.
- * The local errors are multiplied by the rate of the BDF formula times the step. With equal steps
- * this factor is 3/2, by which BDF2 enlarges errors that each step adds. */
+ * errors that arise in the dry contact upstream of the centre. Upstream of the dry contact, and
+ * around spike and constriction, the pressure determines the film anew. If errors from these places
+ * were added, the estimated effect on the minimum film of M = 20, L = 5 would be 18 % instead of
+ * 1.9 %. The local errors are multiplied by the rate of the BDF formula times the step. With equal
+ * time steps this factor is 3/2, by which BDF2 enlarges errors that each step adds. */
 static void take_up_errors(full_march *self, const contact_frame *frame) {
     const ehd_grid *grid = &self->reference.grid;
     const bdf_formula *formula = &self->bdf.formula;
@@ -628,8 +628,8 @@ static double largest_taken_up(const full_march *self, const full_state *state,
     return largest;
 }
 
-/* Estimates the relative changes of the films in the limit of small steps. For this, subtracts the
- * accumulated errors from the film. */
+/* Estimates the relative changes of the films in the limit of small time steps. For this, subtracts
+ * the accumulated errors from the film. */
 static void set_effects(march_step *outcome, const full_march *self, const full_state *state,
                         const ehd_contact *contact) {
     const size_t num_nodes = contact->grid.num_nodes;
@@ -644,8 +644,8 @@ static void set_effects(march_step *outcome, const full_march *self, const full_
         scalars.minimum_film_thickness / outcome->scalars.minimum_film_thickness - 1;
 }
 
-/* Checks whether the downstream end of the grid cuts off a pressure that matters. The pressure of a
- * squeezed film may reach the end, but is small there. */
+/* Checks whether the downstream end of the grid cuts off a pressure with a gradient above
+ * MAX_END_GRADIENT. The pressure of a squeezed film may reach the end, but is small there. */
 static bool is_cut(const full_state *state, const ehd_grid *grid, bool backwards) {
     for (size_t r = backwards ? 0 : grid->inner_x - 1; r < grid->num_inner; r += grid->inner_x)
         if (state->pressure[grid_node_of_row(grid, r)] > MAX_END_GRADIENT * grid->step) return true;

@@ -14,8 +14,8 @@ typedef struct full_march full_march;
 /* Returns the approximate memory of a march in bytes. */
 double full_march_bytes(const ehd_contact *reference);
 
-/* Creates a march with the full model. `reference` is the contact with all factors equal to 1, and
- * must outlive the march.
+/* Creates a march with the full model. `reference` is the contact with all history factors equal to
+ * 1, and must outlive the march.
  * Errors: EHD_MEMORY; EHD_DATA: the discretisation cannot be used for transient contacts. */
 ehd_status full_march_create(
     // output:
@@ -34,11 +34,11 @@ march_solver full_march_solver(full_march *self);
 /* Returns the last accepted state, and its frame unless `frame` is NULL. */
 const full_state *full_march_state(const full_march *self, const contact_frame **frame);
 
-/* Returns the bdf_march inside this march. bdf_march_take_over uses it to take states from another
- * model, or to give them to one. */
+/* Returns the bdf_march inside this march. bdf_march_take_over uses it to take states from the
+ * march of another model, or to give states to that march. */
 bdf_march *full_march_steps(full_march *self);
 
-/* Effort of the march so far, times in seconds. */
+/* Effort of the march so far; computing times in seconds. */
 typedef struct full_march_effort {
     double seconds_rows, seconds_linear;
     size_t newton_iterations, gmres_iterations;

@@ -42,7 +42,7 @@ struct full_solver {
     far_field outer;         // far field at the boundary nodes
     double *pressure;        // [num_nodes] P of state, far field and inlet tail together
     bool keeps_factors;      // the factors of the previous linear system may be used
-    double largest_merit;    // largest merit before any step of this solution
+    double largest_merit;    // largest merit() before a Newton step of this solution
     double largest_row;      // largest scaled residual, without the closure
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_nodes]
     double seconds_rows;
@@ -351,8 +351,8 @@ static void evaluate_rows(full_solver *self, const ehd_contact *contact,
     self->seconds_rows += program_seconds() - before;
 }
 
-/* Returns the largest entry of a row of the Jacobian. The derivative by the film, times the kernel,
- * is a derivative by the pressure. */
+/* Returns the largest entry of a row of the Jacobian. The derivative with respect to the film,
+ * times the kernel, is a derivative with respect to the pressure. */
 static double row_magnitude(const full_solver *self, size_t r) {
     const reynolds_row *row = &self->rows[r];
     const int size = reynolds_stencil_size(&self->grid);
@@ -384,8 +384,8 @@ static void scale_some_rows(void *context, const team_part *part) {
     self->of_part[part->number] = largest;
 }
 
-/* Scales the rows. Returns the largest scaled residual of the closure and of rows at nodes with
- * pressure. */
+/* Computes the scales of the rows. Returns the largest scaled residual of the closure and of rows
+ * at nodes with pressure. */
 static double scale_rows(full_solver *self, full_state *state) {
     const size_t num_rows = self->grid.num_inner, part = self->part;
     evaluation task = {.solver = self, .state = state};
@@ -414,7 +414,7 @@ static double scaled_multiplier(const full_solver *self, size_t node) {
 // ---- exit within the cell of a node
 
 /* Checks whether the exit may lie within the cell of a node. The film must be known at two nodes
- * before the node of the exit and at two nodes behind the exit. */
+ * upstream of the last node with pressure, and at two nodes downstream of it. */
 static bool can_divide_node(const full_state *state, const ehd_grid *grid) {
     return state->exit >= 3 && state->exit + 1 < grid->num_nodes;
 }
@@ -425,9 +425,9 @@ static bool has_ruptured_nodes(const full_state *state) {
     return false;
 }
 
-/* Moves an exit from its node to the position within the cell that the pressure at the node
- * requires (test_full_solver.c, pressure_holds_the_exit). The state's rows must be evaluated.
- * Returns false if the state stays as it is. */
+/* Moves an exit from its node to a position within the cell, which follows from the pressure at the
+ * last node with pressure (test_full_solver.c, pressure_holds_the_exit). The state's rows must be
+ * evaluated. Returns false if the state stays as it is. */
 static bool divide_node(full_solver *self, double entrainment, full_state *state) {
     if (!isnan(state->exit_offset) || !can_divide_node(state, &self->grid) ||
         has_ruptured_nodes(state))
@@ -520,8 +520,8 @@ static ehd_status find_step(full_info *info, const full_state *state, full_solve
     return EHD_OK;
 }
 
-/* Sets the state to `base` plus a part of the step and evaluates its rows. The rows keep the scales
- * of the base. */
+/* Sets the state to `base` plus the fraction `part` of the Newton step, and evaluates its rows. The
+ * rows keep the scales of the base. */
 static void move(full_solver *self, const ehd_contact *contact, const reynolds_squeeze *squeeze,
                  full_state *state, double part) {
     const step_base *base = &self->base;
@@ -529,7 +529,7 @@ static void move(full_solver *self, const ehd_contact *contact, const reynolds_s
     state->exit = base->exit;
     state->exit_offset = base->exit_offset;
     state->rigid_approach = base->rigid_approach + part * self->step_approach;
-    for (size_t k = 1; k < state->exit; k++) // the step is zero where there is no pressure
+    for (size_t k = 1; k < state->exit; k++) // the step is zero at nodes without pressure
         state->pressure[k] = base->pressure[k] + part * self->step[k];
     if (!isnan(base->exit_offset)) move_exit(state, &self->grid, part * self->step_offset);
     evaluate_rows(self, contact, squeeze, state);
@@ -580,18 +580,18 @@ static bool film_is_positive(const full_solver *self, const full_state *state) {
  * halvings they take 88 (test_full_solver.c, steps_are_searched). */
 static const int MAX_HALVINGS = 10;
 
-/* If the sum of squares of the scaled residuals is below this limit, a step need not reduce the
- * residuals. The first steps from the solution of a neighbouring contact may increase them.
- * Measured on the region of lower load (scenes/studies/stationary-line), on a grid of step 0.01,
- * with starts from neighbours: with a limit of 1e-2 all contacts together take 837 iterations. If
- * each Newton step must reduce the residuals, they take 1884 (README.md, Newton). */
+/* If the sum of squares of the scaled residuals is below this limit, a Newton step need not reduce
+ * the residuals. The first Newton steps from the solution of a neighbouring contact may increase
+ * them. Measured on the region of lower load (scenes/studies/stationary-line), on a grid of step
+ * 0.01, with starts from neighbours: with a limit of 1e-2 all contacts together take 837
+ * iterations. If each Newton step must reduce the residuals, they take 1884 (README.md, Newton). */
 static const double SMALL_RESIDUALS = 1e-2;
 
 /* Takes a Newton step. Halves the step until the film is positive and the residuals are smaller
- * than the largest residuals so far. The search must allow residuals to grow, since the first steps
- * from a film that is too thick increase them (L. Grippo, F. Lampariello, S. Lucidi, SIAM J. Numer.
- * Anal. 23, 1986). The shortest step is taken if its film is positive, even if residuals grow.
- * EHD_NOT_CONVERGED, with info->reason: there is no step. */
+ * than the largest residuals so far. The search must allow residuals to grow, since the first
+ * Newton steps from a film that is too thick increase them (L. Grippo, F. Lampariello, S. Lucidi,
+ * SIAM J. Numer. Anal. 23, 1986). The shortest step is taken if its film is positive, even if
+ * residuals grow. EHD_NOT_CONVERGED, with info->reason: there is no Newton step. */
 static ehd_status take_step(full_info *info, full_state *state, full_solver *self,
                             const ehd_contact *contact, const reynolds_squeeze *squeeze,
                             ehd_error *error) {
@@ -627,27 +627,27 @@ static double complementarity(const full_solver *self, const full_state *state) 
     return worst;
 }
 
-// In a transient run, or with a surface, the sign of a pressure (in Hertz pressures) or scaled
-// multiplier is ignored if its magnitude is below this limit. Within a ruptured zone the sign is
-// round-off. Measured on the paper's transient case (load amplitude 30 %, period 1/4, up to T = 1):
-// it takes 6439 iterations with a limit of 1e-7, and 8664 without a limit. With limits of 1e-10 and
-// 1e-9 the steps become too short (test_full_march.c, sine_leads_to_a_periodic_state). Stationary
-// contacts without a surface need no such limit.
+// In a transient run, or with a surface that is not smooth, the sign of a pressure (in Hertz
+// pressures) or scaled multiplier is ignored if its magnitude is below this limit. Within a
+// ruptured zone the sign is round-off. Measured on the paper's transient case (load amplitude 30 %,
+// period 1/4, up to T = 1): it takes 6439 iterations with a limit of 1e-7, and 8664 without a
+// limit. With limits of 1e-10 and 1e-9 the time steps become too short (test_full_march.c,
+// sine_leads_to_a_periodic_state). Stationary contacts with smooth surfaces need no such limit.
 static const double NOISE = 1e-7;
 
 // values of index[]: a node gets pressure because of the sign of its own pressure or multiplier
 // (WANTED), or because of the multipliers of nodes beside it (JOINED)
 enum { WANTED = 1, JOINED };
 
-/* On a line contact, marks runs of neighbouring nodes with negative multipliers, even if these are
- * small. A gap that closes far behind the exit has such a run. A run of n nodes with the mean
- * multiplier -m builds up a pressure of about m n^2 / 4. Returns whether a run was marked. If
- * single nodes were marked instead, the second zone of pressure would begin at a time that depends
- * on the grid: T = 0, 10 and 20 with a step of 0.02, 0.01 and 0.005 (line contact, M = 3, L = 3,
- * growing radius). */
+/* On a line contact, marks runs of neighbouring nodes with negative multipliers, even if the
+ * multipliers are small. A gap that closes far behind the exit has such a run. A run of n nodes
+ * with the mean multiplier -m builds up a pressure of about m n^2 / 4. Returns whether a run was
+ * marked. If single nodes were marked instead, the second zone of pressure would begin at a time
+ * that depends on the grid: T = 0, 10 and 20 with a grid step of 0.02, 0.01 and 0.005 (line
+ * contact, M = 3, L = 3, growing radius). */
 static bool mark_runs(full_solver *self, const full_state *state) {
     // A run of n nodes with the mean scaled multiplier -m is marked if n^2 m exceeds this limit.
-    // With a limit of 1e-4 the solutions of fewer than one step in a hundred change
+    // With a limit of 1e-4 the solutions of fewer than one time step in a hundred change
     // (test_second_zone.c, the_zone_does_not_depend_on_the_grid).
     const double least = 1e-5;
     const size_t end = self->grid.num_nodes - 1;
@@ -667,11 +667,11 @@ static bool mark_runs(full_solver *self, const full_state *state) {
 }
 
 /* Extends the pressure intervals of a line contact from the marked nodes, in both directions, until
- * the multipliers add up to zero. At this place the film without pressure carries the same flow as
- * the end of the interval. If intervals grew by one node per iteration, the roller that moves to
- * and fro in scenes/examples/line-in-time would take 4313 iterations instead of 2850. A second zone
- * of pressure grows by hundreds of nodes and would exceed the limit of iterations. On point
- * contacts this extension would take 4 % more iterations. */
+ * the multipliers add up to zero. At this place the film can carry the arriving flow without
+ * pressure. If intervals grew by one node per iteration, the roller that moves to and fro in
+ * scenes/examples/line-in-time would take 4313 iterations instead of 2850. A second zone of
+ * pressure grows by hundreds of nodes and would exceed the limit of iterations. On point contacts
+ * this extension would take 4 % more iterations. */
 static void grow_intervals(full_solver *self, const full_state *state) {
     const size_t num_rows = self->grid.num_inner;
     double sum[2] = {0, 0}; // sums of multipliers from the marked nodes on, forwards and backwards
@@ -689,9 +689,9 @@ static void grow_intervals(full_solver *self, const full_state *state) {
 
 /* Sets the pressurised zone by a primal-dual active set: each node follows the sign of its pressure
  * or multiplier. This is a semismooth Newton step (Hintermueller, Ito and Kunisch 2003). Returns
- * whether the zone has changed. The number of changes of a node is not limited. With a limit of
- * four changes, all measured marches and 149 of 150 cold starts of point contacts would stay the
- * same. */
+ * whether the zone has changed. A node may enter and leave the zone any number of times. With a
+ * limit of four changes, all measured marches and 149 of 150 cold starts of point contacts would
+ * stay the same. */
 static bool adapt_zone(full_solver *self, full_state *state, bool in_time) {
     const ehd_grid *grid = &self->grid;
     size_t last = 0;
@@ -699,8 +699,9 @@ static bool adapt_zone(full_solver *self, full_state *state, bool in_time) {
     const bool line = grid->inner_lines == 1;
     const double noise = in_time || self->surface ? NOISE : 0;
 
-    // An exit within a cell is moved by the Newton step, not by the active set. With a surface the
-    // active set is needed nevertheless, because another zone may arise behind the exit.
+    // An exit within a cell is moved by the Newton step, not by the active set. If a
+    // surface is not smooth, the active set is needed nevertheless, because another zone may arise
+    // behind the exit.
     if (!isnan(state->exit_offset) && !self->surface) return false;
 
     for (size_t r = 0; r < grid->num_inner; r++) {
@@ -815,7 +816,8 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
             info->reason = "residual not finite";
             return EHD_OK;
         }
-        // the zone follows from a step's pressure, so it is not adapted before the first step
+        // the zone follows from the pressures after a Newton step, so it is not adapted before the
+        // first Newton step
         if (iteration > 0 && adapt_zone(self, state, squeeze != NULL)) {
             evaluate_rows(self, contact, squeeze, state);
             info->residual = scale_rows(self, state);

@@ -30,9 +30,9 @@ typedef struct full_state {
     // exit is at a node, or its position is not known yet.
     double exit_offset;
     // [num_nodes] whether a node before `exit` has no pressure. On a line contact, a solution has
-    // such nodes only with a surface, or, in a transient run, if the contact shrinks faster than it
-    // entrains fluid. On a point contact, all nodes without pressure are marked, boundary nodes
-    // included.
+    // such nodes only if a surface is not smooth or, in a transient run, if the contact shrinks
+    // faster than it entrains fluid. On a point contact, all nodes without pressure are marked,
+    // boundary nodes included.
     bool *ruptured;
 } full_state;
 
@@ -42,9 +42,9 @@ bool full_has_pressure(const full_state *state, size_t node);
 /* Returns X at which the pressure of a line contact ends. */
 double full_exit_position(const full_state *state, const ehd_grid *grid);
 
-/* Checks whether the film, interpolated between the nodes around the lowest node, falls to zero. If
- * so, the grid does not resolve the film, and full_evaluate_scalars gives the lowest value at a
- * node as the minimum film. */
+/* Checks whether the film that is interpolated between the nodes falls to zero. If so, the grid
+ * does not resolve the film, and full_evaluate_scalars gives the smallest film at a node as the
+ * minimum film. */
 bool full_film_closes(const full_state *state, const ehd_grid *grid);
 
 /* Checks whether pressure reaches the downstream end of the grid. This end lies at larger X, or at

@@ -31,7 +31,7 @@
 enum { MAX_ITERATIONS = 80 };
 
 /* Number of additional columns at each end of a matrix row while the rows of a multigrid cycle are
- * computed. At the end, the entries of these columns are added to the first and last entries of the
+ * computed. Afterwards, the entries of these columns are added to the first and last entries of the
  * row. Without the columns, differences along the line lack some of their nodes, and solutions of
  * the line grow or fade downstream. GMRES takes 109 iterations with 2 columns and 197 without them,
  * for M = 200, L = 20 and 256 cells a side (test_full_point.c, fine_grids_take_few_iterations). */
@@ -245,11 +245,11 @@ static reach reach_of(const ehd_grid *grid, size_t node, ptrdiff_t near_field, p
                    wanted.last_line > last_line ? last_line : wanted.last_line};
 }
 
-/* Adds the derivatives of the film at a node by the pressures of a line that is `apart` lines away,
- * times by_film. The derivatives are the shifted near field of the kernel. On a wide ellipse, the
- * next line is farther away than the end of the near field along a line. Then the next line is left
- * out, because its entries would be negative. With these entries a cold start of b/a = 9.4 (81 by
- * 49 nodes, M = 1429, L = 16) takes 960 iterations, without them 95. */
+/* Adds the derivatives of the film at a node with respect to the pressures of a line that is
+ * `apart` lines away, times by_film. The derivatives are the shifted near field of the kernel. On a
+ * wide ellipse, the next line is farther away than the end of the near field along a line. Then the
+ * next line is left out, because its entries would be negative. With these entries a cold start of
+ * b/a = 9.4 (81 by 49 nodes, M = 1429, L = 16) takes 960 iterations, without them 95. */
 static void add_near_line(double *window, const reach *at, double by_film, ptrdiff_t column,
                           ptrdiff_t apart, const full_system *system) {
     const ptrdiff_t m = (ptrdiff_t)system->near_field;
@@ -365,8 +365,8 @@ static void fill_cycle_rows(void *context, const team_part *part) {
     }
 }
 
-/* Prepares a cycle with the band as its matrix. The rows are not scaled, since coarser grids add up
- * their residuals. Returns false if the matrix is singular. */
+/* Prepares a cycle with the band as its matrix. The rows are not scaled, since a coarser grid adds
+ * up the residuals of several rows. Returns false if the matrix is singular. */
 static bool prepare_cycle(full_system *system) {
     gmres_workspace *work = system->workspace;
 
@@ -720,7 +720,7 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
     *iterations = k;
     if (!kept) work->factors.own_iterations = k;
     work->factors.last_iterations = k;
-    if (program_interrupted()) // an incomplete step would not be reproducible
+    if (program_interrupted()) // an incomplete Newton step would not be reproducible
         return ehd_fail(error, EHD_INTERRUPTED, "full model: interrupted");
 
     // back substitution, then dz = M^-1 (V y)

@@ -52,8 +52,8 @@ ehd_status full_judge(char reason[JUDGE_REASON], const full_info *info, const fu
                      "found the exit boundary outside the domain, expected it before X = %g "
                      "(grid.%s)",
                      grid_x(grid, backwards ? 1 : grid->inner_x), backwards ? "x_min" : "x_max");
-    // a pressure beyond the law is reported even after a failed iteration, because it is the likely
-    // cause of the failure
+    // a pressure beyond the limit of the viscosity law is reported even after a failed iteration,
+    // because it is the likely cause of the failure
     if (full_beyond_law(state, contact))
         length += snprintf(reason + length, JUDGE_REASON - (size_t)length,
                            "%sfound a pressure of %.4g GPa, expected at most %.4g GPa, the limit "

@@ -8,7 +8,7 @@
 
 enum { JUDGE_REASON = 256 }; // bytes, with the closing zero
 
-/* Returns whether a solution may be used. `reason` says why not, or is "":
+/* Returns whether a solution may be used. `reason` is the cause if it may not, or "":
  * - EHD_NOT_CONVERGED: the solver has not converged, the exit boundary is not inside the domain, or
  *   a pressure exceeds the limit of the viscosity law.
  * - EHD_UNTRUSTED: the equations do not hold for the thinned flow (reynolds_flow_doubt).
@@ -19,8 +19,8 @@ ehd_status full_judge(
     // input:
     const full_info *info, const full_state *state, const ehd_contact *contact);
 
-/* Returns the largest error bound of thinned rows on the grid (reynolds_flow_doubt), or 0 if the
- * flow is not thinned. */
+/* Returns the largest error bound of the Reynolds rows of a shear-thinned flow on the grid
+ * (reynolds_flow_doubt), or 0 if the flow is not thinned. */
 double full_flow_doubt(const full_state *state, const ehd_contact *contact);
 
 /* Checks whether a pressure exceeds the limit of the viscosity law. */

@@ -152,7 +152,8 @@ static int compare_seconds(const void *left, const void *right) {
 }
 
 /* Solves the contact as many times as --repeat gives. With --start each solution starts from
- * `first`, otherwise each is a cold start. *info belongs to the solution with the median time. */
+ * `first`, otherwise each is a cold start. *info belongs to the solution with the median computing
+ * time. */
 static ehd_status solve_again(full_info *info, full_state *state, full_solver *solver,
                               const full_state *first, const ehd_contact *contact,
                               const fullrun_options *options, ehd_error *error) {
@@ -225,7 +226,7 @@ static ehd_status solve(full_info *info, full_state *state, const program *calle
     full_state first = {0};
 
     progress_start(&work.shown, caller, WORK_PARTS);
-    work.shown.last_shown = work.shown.started; // a short solution shows no progress
+    work.shown.last_shown = work.shown.started; // a quick solution shows no progress
     settings.watcher = contact->kind->dimensions > 1 ? show_work : NULL;
     settings.watcher_context = &work;
     ehd_status status =
@@ -266,7 +267,7 @@ static void note_resolution(const program *self, const full_resolution *resoluti
     const char *path = self->arguments[0];
     const double *effects = resolution->effects.of;
 
-    if (film_effects_are_infinite(&resolution->effects)) return; // the outcome reports this
+    if (film_effects_are_infinite(&resolution->effects)) return; // result_judge_grid handles this
     if (effects[EFFECT_INLET] > default_accuracy)
         program_note(self,
                      "%s: grid.x_min: found %g, expected a longer inlet: the error estimate of the "
@@ -372,10 +373,10 @@ static ehd_status solve_stationary(stationary_run *self, ehd_error *error) {
     return status;
 }
 
-/* Largest number of times that the program halves its default step. Line contacts and contacts with
- * b/a from 0.05 to 20 were solved, with M from 0.1 to 2000 and L from 0 to 25. Wherever the default
- * step was too coarse, one halving was enough (README.md, Default grid). On a point contact each
- * halving makes the number of nodes four times as large. */
+/* Largest number of halvings of the default grid step. Line contacts and contacts with b/a from
+ * 0.05 to 20 were solved, with M from 0.1 to 2000 and L from 0 to 25. Wherever the default step was
+ * too coarse, one halving was enough (README.md, Default grid). On a point contact each halving
+ * makes the number of nodes four times as large. */
 enum { MAX_HALVINGS = 2 };
 
 /* Halves the default step if this step does not resolve the contact. Returns whether the step was
@@ -630,7 +631,7 @@ static ehd_status run(const program *self, fullrun_options *options, ehd_error *
     if (transient) status = set_grid_in_time(&contact, &given, error);
     if (!status) status = take_grid(&contact, &given, options->grid_of, error);
     if (!status) status = check_usage(self, options, transient, error);
-    // a grid step that is not given may be halved
+    // halve_step may make the grid large if no grid step is given
     const bool may_be_large =
         contact.kind && contact.kind->dimensions > 1 && isnan(contact.grid_given.step);
     if (!status && (may_be_large || full_is_large(&contact.grid)))

@@ -29,8 +29,8 @@
  * cycles_converge_on_any_grid). MAX_LEVELS is the largest number of grids. */
 enum { COARSEST = 40, MAX_LEVELS = 20 };
 
-/* Factors L U of a line's matrix at a node: the entries of L for the second node back and the first
- * node back, the reciprocal of the diagonal entry of U, and the entry of U for the node ahead. */
+/* Factors L U of a line's matrix in the row of node c: the entries of L in the columns c - 2 and c
+ * - 1, the reciprocal of the diagonal entry of U, and the entry of U in column c + 1. */
 enum { BY_BACK2, BY_BACK, BY_HERE, BY_AHEAD, NUM_LINE_FACTORS };
 
 /* Approximate number of nodes in one part of the work that threads share. */
@@ -39,8 +39,8 @@ enum { PART = 2048 };
 typedef struct level {
     size_t columns, lines, num;
     size_t stride;      // columns of the finer level per column of this level, 1 or 2
-    double flow_across; // flow between two nodes across the lines, divided by the flow between two
-                        // nodes along them
+    double flow_across; // flow between two neighbouring nodes across the lines, divided by the flow
+                        // between two neighbouring nodes along them
     size_t lines_of_part;
     bool mirrored;    // the first line is a mirror line
     bool *unknown;    // [num]
@@ -202,8 +202,8 @@ static void share_lines(multigrid *self, size_t lines, const level *size_of, tea
     team_share(self->threads, lines, size_of->lines_of_part, task, context);
 }
 
-/* Keeps in the rows only the entries between unknowns. Rows of other nodes become rows of the
- * identity. */
+/* Keeps in the rows only the entries between unknowns. Rows of nodes that are no unknowns become
+ * rows of the identity matrix. */
 static void clear_others(void *context, const team_part *part) {
     const level *self = ((lines_task *)context)->here;
 
@@ -222,9 +222,9 @@ static void clear_others(void *context, const team_part *part) {
         }
 }
 
-/* Adds an entry at a fine node to `row`, the row of coarse node (l, c). The entry is divided among
- * the coarse nodes from which the fine node is interpolated, by the weights of the
- * interpolation. */
+/* Adds `entry`, which multiplies the value at a fine node, to `row`, the row of the coarse node (l,
+ * c). The entry is divided among the coarse nodes from which the fine node is interpolated, by the
+ * weights of the interpolation. */
 static void add_interpolated(double *row, double entry, size_t fine_line, size_t fine_column,
                              size_t l, size_t c, const level *coarse) {
     const size_t stride = coarse->stride;
@@ -245,8 +245,8 @@ static double weight_of_line(const level *fine, size_t l, size_t fine_line) {
     return fine->mirrored && l == 0 ? 1 : 0.5;
 }
 
-/* Return the first of the fine lines around a coarse line, and the end of these fine lines. There
- * are `stride` fine lines for each coarse line. Both functions also work for columns. */
+/* Return the first fine line around a coarse line, and the line behind the last one. There are
+ * `stride` fine lines for each coarse line. Both functions also work for columns. */
 static size_t first_around(size_t coarse, size_t stride) {
     return coarse > 0 ? stride * coarse - (stride - 1) : 0;
 }

@@ -29,7 +29,7 @@ static spline **make_splines(size_t count, size_t num_nodes) {
     return splines;
 }
 
-enum { POINTS = 6 }; // nodes of the interpolation beyond the grid
+enum { POINTS = 6 }; // nodes per direction from which deflection_beyond interpolates
 
 /* Returns the grid with a margin around it. The margin covers the growth of a contact under 2.25
  * times its load, or the movement of fluid within a few time steps. */
@@ -163,8 +163,8 @@ void previous_set_base(previous_carrier *self, const previous_state *base, doubl
             surface_height(self->reference.surface, &base->frame, grid_x(grid, k), grid_y(grid, k));
 }
 
-/* Checks whether the entrainment of a frame is opposite to the entrainment of the start. A start at
- * rest is taken as forwards. */
+/* Checks whether the entrainment of a frame is opposite to the entrainment of the initial state. An
+ * initial state at rest counts as entrainment towards larger X. */
 static bool is_reversed(const previous_carrier *self, const contact_frame *frame) {
     return self->base && (self->base->frame.speed < 0 ? frame->speed > 0 : frame->speed < 0);
 }
@@ -236,7 +236,7 @@ typedef struct origin {
     double stretch, shift;
 } origin;
 
-/* Returns the value of a spline at x. `near` is the interval of the last place, and becomes the
+/* Returns the value of a spline at x. *near is the interval that is tried first, and becomes the
  * interval of x. */
 static double value_near(const spline *self, double x, size_t *near) {
     *near = spline_interval(self, x, *near);
@@ -324,7 +324,7 @@ static void look_beyond(const previous_state *self, const previous_carrier *carr
 }
 
 /* Sets the Lagrange weights of the POINTS nodes around a place, and returns the number of the first
- * of these nodes. The place is measured in steps from node 0. */
+ * of these nodes. `place` is the distance from node 0 in grid steps. */
 static ptrdiff_t lagrange(double weight[POINTS], double place) {
     const double below = floor(place);
 
@@ -338,9 +338,9 @@ static ptrdiff_t lagrange(double weight[POINTS], double place) {
 }
 
 /* Returns H0 plus deflection at a point beyond the grid. All pressures are so far away that the
- * interpolation between six points of the wide grid has an error of only 1e-8 with a step of 0.19
- * (test_previous.c). Beyond the wide grid the function sums over the nodes, which takes a hundred
- * times as long. */
+ * interpolation between six points of the wide grid has an error of only 1e-8 with a grid step of
+ * 0.19 (test_previous.c). Beyond the wide grid the function sums over the nodes, which takes a
+ * hundred times as long. */
 static double deflection_beyond(const previous_state *self, const previous_carrier *carrier,
                                 double x, double y) {
     const ehd_grid *wide = &carrier->wide;

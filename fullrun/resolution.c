@@ -36,9 +36,9 @@ static const double SAFETY = 1.25;
 
 /* Factor that turns the error estimate for the domain of a point or elliptic contact into a bound.
  * The estimate compares two domains; for two grids Roache gives a factor of 3. With the factor 1.25
- * the estimates of six of 434 random points and of two of 167 random ellipses are below the error,
- * with 1.5 those of four points and of one ellipse (README.md, Estimates of inlet and step;
- * boundary.bats, "the effect of the domain is found"). */
+ * the estimates of six of 434 random point contacts and of two of 167 random ellipses are below the
+ * error, with 1.5 those of four point contacts and of one ellipse (README.md, Estimates of inlet
+ * and step; boundary.bats, "the effect of the domain is found"). */
 static const double SAFETY_OF_DOMAIN = 1.5;
 
 const double resolution_limit = 0.03;
@@ -91,8 +91,8 @@ static void viscous_pressure(double *viscous, const double *log_viscosity, const
  * of `start`, from dP/dX = viscosity lambda (H - H_exit)/H^3. H is the gap of the dry contact plus
  * a constant. The midpoint rule integrates over s, with X = start / s. */
 static inlet_tail tail_before(const central_line *line, const ehd_contact *contact, double start) {
-    // Number of intervals. From 20 intervals on, the first two digits of the inlet estimates do not
-    // change, for M = 1, 5 and 20 (README.md, Estimates of inlet and step).
+    // Number of intervals of s. From 20 intervals on, the first two digits of the inlet estimates
+    // do not change, for M = 1, 5 and 20 (README.md, Estimates of inlet and step).
     const int num_intervals = 200;
     const double stride = 1. / num_intervals, flux = line->film[line->exit];
     const contact_kind *kind = contact->kind;
@@ -163,7 +163,7 @@ static size_t count_outlet(const central_line *line) {
     return line->exit - thinnest;
 }
 
-// ---- the step
+// ---- the grid step
 
 /* Returns the node of a grid at the place of an inner node of a coarse grid, whose step is `stride`
  * times as long. NO_NODE: this place lies beside the grid. */
@@ -187,7 +187,7 @@ static void restrict_state(full_state *coarse, const ehd_grid *grid, const full_
     coarse->rigid_approach = solution->rigid_approach;
 }
 
-/* A contact on a grid with a multiple of the step, and its solution. */
+/* A contact on a grid whose step is a multiple of the original step, and its solution there. */
 typedef struct coarse_grid {
     ehd_contact contact;
     bool as_large;
@@ -206,8 +206,8 @@ static ehd_status solve_on(film_pair *films, coarse_grid *self, ehd_error *error
     return status;
 }
 
-/* Computes the relative changes of the film at the lowest node and the nodes beside it. Returns the
- * mean magnitude of these changes, with the sign of their mean. */
+/* Computes the relative changes of the film at the node with the smallest film and at its
+ * neighbours. Returns the mean magnitude of these changes, with the sign of their mean. */
 static double change_of_minimum(const double *film, const double *before, const ehd_grid *grid) {
     const size_t width = grid_width(grid);
     size_t lowest = grid_node_of_row(grid, 0);
@@ -215,7 +215,7 @@ static double change_of_minimum(const double *film, const double *before, const 
 
     for (size_t r = 1; r < grid->num_inner; r++)
         if (before[grid_node_of_row(grid, r)] < before[lowest]) lowest = grid_node_of_row(grid, r);
-    const size_t below = lowest >= width ? lowest - width : lowest + width; // at a mirror line
+    const size_t below = lowest >= width ? lowest - width : lowest + width; // or mirror image
     const size_t nodes[] = {lowest, lowest - 1, lowest + 1, lowest + width, below};
     const int count = grid->inner_lines > 1 ? 5 : 3;
     for (int i = 0; i < count; i++) {
@@ -268,8 +268,8 @@ static void set_change(inlet_change *change, const film_pair *after, const film_
     change->rolling = solved ? after->rolling / before->rolling - 1 : INFINITY;
 }
 
-/* Solves a contact again on the same grid, with another pressure around the grid. Sets the change
- * of the films. */
+/* Solves a contact again on the same grid, after the caller has changed the pressure around the
+ * grid. Sets the change of the films. */
 static ehd_status solve_surrounded(inlet_change *change, coarse_grid *self, const film_pair *films,
                                    ehd_error *error) {
     const ehd_grid *grid = &self->contact.grid;
@@ -293,8 +293,8 @@ static ehd_status solve_with_tail(inlet_change *change, coarse_grid *self, const
     inlet_tail *tail = &self->contact.tail;
 
     *tail = tail_before(&line, &self->contact, grid_x(grid, 0));
-    tail->load += tail->pressure * grid->step / 2; // adds the load up to the cell of the first
-                                                   // inner node
+    tail->load += tail->pressure * grid->step / 2; // adds the load from the boundary node to
+                                                   // the cell of the first inner node
     return solve_surrounded(change, self, films, error);
 }
 
@@ -305,10 +305,10 @@ static ehd_status solve_unbounded(inlet_change *change, coarse_grid *self, const
     return solve_surrounded(change, self, films, error);
 }
 
-/* A grid of twice the size, and the number of nodes that are added at its sides. */
+/* A grid of twice the size of another grid, and the numbers of columns and lines that are added. */
 typedef struct twice_as_large {
     ehd_grid grid;
-    size_t before, beside; // columns before the grid, lines beside it
+    size_t before, beside; // columns added before column 0, lines added before line 0
 } twice_as_large;
 
 static twice_as_large twice_the_size(const ehd_grid *of) {
@@ -385,8 +385,8 @@ static ehd_status solve_larger(inlet_change *change, coarse_grid *smaller, const
 }
 
 /* Solves the contact on a grid with `stride` times the step of the solution. The films are NaN if
- * the solver does not converge. The first such grid that converges and is fine enough also gives
- * the change of the films that an endless domain causes. */
+ * the solver does not converge. Also sets the change of the films that an endless domain causes, if
+ * this change is not known yet, the solver converges, and the grid is fine enough. */
 static ehd_status solve_coarse(film_pair *films, inlet_change *change, const ehd_contact *contact,
                                const full_state *solution, const ehd_grid *fine, size_t stride,
                                team *threads, ehd_error *error) {
@@ -427,7 +427,8 @@ double full_step_effect(const double films[3], double order, double limit, doubl
     return larger / (exp2(fmax(1, fmin(observed, order))) - 1);
 }
 
-/* Returns a number that is proportional to the effect on the films if the domain begins at `start`:
+/* Returns a number to which the effect of the domain on the films is proportional if the domain
+ * begins at `start`:
  * - line contact: the load upstream of `start`, plus the pressure at `start` times the distance
  *   from `start` to the centre
  * - point contact with a far field: 1/H^2 at `start`, to which the terms that the far field omits
@@ -444,10 +445,11 @@ static double lacking_before(const central_line *line, const ehd_contact *contac
     return tail.load - tail.pressure * start;
 }
 
-/* Returns the error estimate of one film for the step. The estimate is the sum of two magnitudes:
- * the effect of the discretisation, and the known effect of the place where the domain begins.
+/* Returns the error estimate of one film for the grid step. The estimate is the sum of two
+ * magnitudes: the effect of the discretisation, and the known effect of the place where the domain
+ * begins.
  * beginnings: relative effects of four domains on the film. The first domain begins at x_min. The
- * others begin, like the three grids, one, two and four steps upstream of x_min. */
+ * others begin, like the three grids, one, two and four grid steps upstream of x_min. */
 static double step_effect(const double films[3], const double beginnings[4], double order,
                           double limit, double opposite) {
     double same[3] = {films[0], films[1], films[2]}; // films if all grids began like the first one
@@ -472,7 +474,7 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
         const double start = grid->x_min - (i ? exp2(i - 1) : 0) * grid->step;
         const double part =
             lacking_before(line, contact, start) / lacking_before(line, contact, change->start);
-        // a tail whose pressure grows without bound has no solution
+        // an inlet tail whose pressure grows without bound has no solution
         of_central[i] = isfinite(part) ? part * change->central : INFINITY;
         of_minimum[i] = isfinite(part) ? part * change->minimum : INFINITY;
     }
@@ -499,7 +501,7 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
 }
 
 /* Sets the error estimates of the rolling resistance. For a line contact the resistance includes
- * the part in front of the grid, and the error estimate of the film is an upper bound of the error.
+ * the part upstream of the grid, and the error estimate of the film is an upper bound of the error.
  * For a point contact with a far field the resistance includes the far field, whose own error is
  * added. */
 static void set_rolling_effects(full_resolution *self, const film_pair films[3],

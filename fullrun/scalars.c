@@ -28,8 +28,9 @@ static double film_at(const void *film, size_t node) {
 }
 
 /* Returns the smallest film, and its node in *node. On a point contact, interpolates around the
- * lowest node. On a line contact, interpolates around each node that is not higher than its two
- * neighbours, since the lowest node need not be in the deepest valley. */
+ * node with the smallest film. On a line contact, interpolates around each node whose film is not
+ * thicker than the films of its two neighbours, since the node with the smallest film need not lie
+ * in the deepest valley. */
 static double smallest_film(size_t *node, const double *film, const ehd_grid *grid) {
     size_t lowest = grid_node_of_row(grid, 0);
 
@@ -61,9 +62,9 @@ double full_exit_position(const full_state *state, const ehd_grid *grid) {
 }
 
 /* `exit` is the first node without pressure behind an interval of the pressurised zone. Moves
- * `exit` upstream to the node behind the last positive pressure of this interval. Values in between
- * that are not positive are noise of the active set. Returns false if the interval has no positive
- * pressure. */
+ * `exit` upstream to the node behind the last positive pressure of this interval. The pressures
+ * that it passes are not positive: they are noise of the active set. Returns false if the interval
+ * has no positive pressure. */
 static bool find_end_of_pressure(size_t *exit, const full_state *state, bool backwards) {
     size_t before = backwards ? *exit + 1 : *exit - 1;
 

@@ -87,8 +87,8 @@ static ehd_status begin_worker(void **result, void *shared, ehd_error *error) {
     *result = self;
     if (!self) return ehd_no_memory(error, "solver");
 
-    // the weakest modes have singular values of 1e-10 of the first singular value, so solutions
-    // must be more accurate than that
+    // the weakest modes of a basis have singular values of 1e-10 of the first singular value, so
+    // the solutions must be more accurate than that
     settings.tolerance = 1e-12;
     ehd_status status =
         full_solver_create(&self->solver, first->kind, &first->grid, &settings, error);
@@ -160,7 +160,7 @@ static ehd_status finish_point(void *shared, void *given, size_t point, size_t p
     return status;
 }
 
-// ---- all
+// ---- the whole training
 
 static size_t smaller(size_t a, size_t b) {
     return a < b ? a : b;
@@ -176,7 +176,7 @@ ehd_status training_check_memory(const training_set *set, const program *caller,
 
     if (num_marches > 0)
         of_marches = (double)num_marches * full_march_bytes(&set->trajectories[0].contact);
-    // points are solved before trajectories, so only the larger memory counts
+    // points are solved before trajectories, so only the larger of the two amounts counts
     return grid_check_memory(caller, plan_path, first, kept + fmax(of_points, of_marches),
                              of_points > of_marches ? num_solvers : num_marches, error);
 }

@@ -22,7 +22,7 @@ typedef struct snapshot {
     size_t newton_iterations;
     double residual;
     double complementarity; // as in full_info
-    film_effects effects;   // error estimates of the grid, if wanted and with EHD_OK
+    film_effects effects;   // error estimates for inlet and grid step, if wanted and with EHD_OK
 } snapshot;
 
 /* The part of a solution that is kept because other points start from it. */
@@ -39,8 +39,8 @@ typedef struct training {
     const training_set *set;
     trained_point *points; // [num_points of the set]
     const bool *wanted;    // [num_points] whether to solve a point; NULL: all points are solved
-    bool with_effects;     // also estimates the errors of the grid, at points with `estimated` in
-                           // the set
+    bool with_effects;     // also estimates the errors due to inlet and grid step, at points that
+                           // are marked as `estimated` in the set
     size_t num_failed;     // number of points that are done, but whose status is not EHD_OK
     size_t num_done;
     /* Stores a finished point. Called by one thread at a time. */
@@ -49,13 +49,13 @@ typedef struct training {
     void *sink;
     progress progress;
     size_t num_before; // number of points that an earlier run has done
-    double rest;       // for the progress: duration of the work that follows in this stage, in s
-    bool more;         // for the progress: further work may follow after `rest`
+    double rest;       // for the progress line: duration of the work that follows in this stage, s
+    bool more;         // for the progress line: more work of unknown duration may follow
 } training;
 
-/* Reports the memory that a plan needs if num_jobs points or trajectories are solved at a time.
- * This is the memory of the solvers and of the pressures from which other points start. EHD_MEMORY:
- * point contacts need more memory than is free. */
+/* Reports the memory that a plan needs if num_jobs points or trajectories are solved at the same
+ * time. This is the memory of the solvers and of the pressures from which other points start.
+ * EHD_MEMORY: point contacts need more memory than is free. */
 ehd_status training_check_memory(const training_set *set, const program *caller,
                                  const char *plan_path, size_t num_jobs, ehd_error *error);
 

@@ -121,7 +121,8 @@ static ehd_status find_modes(pod_basis *pod, reading *self, const pod_settings *
 }
 
 /* Returns the settings for the POD of the rows, with the energy that the modes may omit. This
- * energy is smaller if some rows come from parts, because parts have already omitted energy. */
+ * energy is smaller if some rows come from part files, which have already omitted energy, or if the
+ * modes are written as a part file. */
 static pod_settings share_of(const pod_settings *wanted, const snapshot_set *from,
                              const bases_settings *settings) {
     const double share = settings->as_part ? SMALL_SHARE : from->num_parts > 0 ? ROOT_SHARE : 1;
@@ -131,9 +132,9 @@ static pod_settings share_of(const pod_settings *wanted, const snapshot_set *fro
     return root;
 }
 
-/* Checks that parts have not omitted too much energy. The limit is a share of the allowed energy.
- * If the number of modes is given and these modes omit more than the allowed energy, the limit is a
- * share of the energy that these modes omit. */
+/* Checks that part files have not omitted too much energy. The limit is a fraction of the allowed
+ * energy. If a given number of modes omits more than the allowed energy, the limit is a fraction of
+ * the energy that these modes omit. */
 static ehd_status check_distance(const pod_basis *pod, const snapshot_set *from,
                                  const bases_settings *settings, const bases_plan *plan,
                                  ehd_error *error) {

@@ -14,8 +14,8 @@
  * deflections), the weight D from the first pressure mode, and the coordinates of the training
  * solutions. Reads all sources once for the modes, once more for the modes of independent
  * deflections, and once for the coordinates. Afterwards only `basis` holds the modes. Errors:
- * EHD_DATA (more modes are wanted than the rank of the snapshots, or parts omit too much energy),
- * EHD_INTERRUPTED, EHD_MEMORY, EHD_INTERNAL (LAPACK); else as snapshot_set_open. */
+ * EHD_DATA (more modes are wanted than the rank of the snapshots, or part files have omitted too
+ * much energy), EHD_INTERRUPTED, EHD_MEMORY, EHD_INTERNAL (LAPACK); else as snapshot_set_open. */
 ehd_status bases_build(
     // output:
     reduced_basis *basis,       // free with reduced_basis_free

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes the memory for building a basis, and divides a memory limit between the block and the
- * directions. The allowed error is that of README.md, "Error bound"; its shares of sqrt(E) add up
- * to one. Called by main.c (bases_plan_make) and by bases.c (bases_plan_at_once). */
+ * directions of the stream (pod_stream.h). The allowed error is sqrt(E) |S| (README.md, Error
+ * bound); the fractions for its terms add up to one.
+ * Called by main.c (bases_plan_make) and by bases.c (bases_plan_at_once). */
 #include "podbuild/bases_plan.h"
 
 #include <math.h>
@@ -10,8 +11,8 @@
  * the error within the bound"). */
 const double SMALL_SHARE = 0.05, ROOT_SHARE = 0.9;
 
-/* Dropped directions may take this fraction of the energy that the distance leaves (stream.bats,
- * "a small limit: the error within the bound"). */
+/* Dropped directions may have this fraction of the allowed energy that remains beside the distance
+ * from the directions (stream.bats, "a small limit: the error within the bound"). */
 static const double DROPPED_SHARE = 0.2;
 
 /* Allowed energy if only the number of modes is given. With this energy SMALL_SHARE allows a
@@ -23,8 +24,8 @@ static const double EXACT_ENERGY = 4e-20;
  * in memory). */
 static const double LEAST_LOCAL = 1e-28;
 
-/* Sets the energies that a stream may omit. For a part file, half of the square root of the energy
- * is for the distance, and half for the modes. */
+/* Sets the energies that a stream may omit. For a part file, half of the square root of its allowed
+ * energy is for the distance of the snapshots from the directions, and half for omitted modes. */
 static void share_energy(bases_plan *plan, const bases_settings *settings) {
     const double part = settings->as_part ? SMALL_SHARE * SMALL_SHARE : 1;
     const double local = settings->as_part ? 0.5 : SMALL_SHARE;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Plans the memory for building a basis, and divides the allowed error between its causes. The plan
- * takes all rows as one block, or sets the size of the blocks and the largest number of directions.
+/* Plans the memory for building a basis, and divides the allowed error between its causes. All rows
+ * (snapshot_set.h) form one block, or the plan sets the size of the blocks and the largest number
+ * of directions (pod_stream.h).
  * Called by main.c before any field is read, and by bases.c. */
 #ifndef EHD_BASES_PLAN_H
 #define EHD_BASES_PLAN_H
@@ -12,8 +13,8 @@ typedef struct bases_settings {
     pod_settings pressure;
     pod_settings deformation; // unused if kind is DEFORMATION_COUPLED
     deformation_kind kind;
-    // Set if the number of modes is given, but no energy. The stream then omits only round-off
-    // until the modes are chosen.
+    // Set if the number of modes is given, but not --energy. Before the modes are chosen, the
+    // stream then omits only round-off.
     bool exact;
     // Set if the modes are written as a part file. These modes may omit SMALL_SHARE of the square
     // root of the allowed energy.
@@ -21,8 +22,9 @@ typedef struct bases_settings {
 } bases_settings;
 
 /* Fractions of the square root of the allowed energy. SMALL_SHARE is the fraction for the distance
- * of the snapshots from the directions of a stream, and again for the energy that parts have
- * omitted. ROOT_SHARE is the fraction for the modes, if there are parts. */
+ * of the snapshots from the directions of a stream. It is also the fraction for the energy that
+ * part files have omitted. ROOT_SHARE is the fraction for the omitted modes if there are part
+ * files. */
 extern const double SMALL_SHARE, ROOT_SHARE;
 
 typedef struct bases_plan {
@@ -31,7 +33,7 @@ typedef struct bases_plan {
     double bytes;  // upper bound of the memory of this plan, bytes
     double energy; // total energy that may be omitted, relative to the energy of the rows
     pod_stream_settings stream;
-    size_t batch; // number of states that are projected together
+    size_t batch; // number of states that are projected onto the modes together
 } bases_plan;
 
 /* Returns the plan that takes all rows as one block. */

@@ -237,7 +237,7 @@ static ehd_status check_parts(const snapshot_set *files, const build_options *op
 }
 
 /* Plans the memory before the snapshots are read, and prints the plan. If the snapshots are
- * streamed, checks that this much memory is free. */
+ * streamed, checks that the planned memory is free. */
 static ehd_status plan_memory(bases_plan *way, const snapshot_set *files, const program *self,
                               const build_options *options, ehd_error *error) {
     ehd_status status = check_parts(files, options, error);

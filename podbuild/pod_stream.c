@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes the POD of snapshots in blocks, S ≈ U R Q (Himpe, Leibner and Rave 2018; pod_stream.h).
- * Each block B updates R by its components B Qᵀ. The POD of the remainder of B extends Q.
+ * The columns of U are orthonormal, and U is never computed. Each block B updates R by its
+ * components B Qᵀ. The POD of the remainder of B extends Q.
  * Called by bases.c, snapgen/trajectory.c and deimselect/residual_snapshots.c. */
 #include "podbuild/pod_stream.h"
 
@@ -17,8 +18,8 @@
 /* Largest number of nodes at which the directions are rotated at once. */
 enum { MOST_ROTATED = 128 };
 
-/* Largest number of times that one block extends the directions. One SVD of a remainder resolves
- * singular values down to 1e-13 of the first. */
+/* Largest number of extensions of the directions for one block. One SVD of a remainder resolves
+ * singular values down to 1e-13 of the first; the next SVD resolves smaller ones. */
 enum { MAX_EXTENSIONS = 2 };
 
 struct pod_stream {
@@ -199,8 +200,8 @@ static size_t copy_long_rows(double *rows, double *left_out, const pod_stream *s
 
 /* Computes the POD of the remainders of the waiting rows. The energy of the remainders is `left`.
  * The POD omits at most the energy `allowed`. It omits rows of small norm first, and then weak
- * modes until `allowed` is used up. If round-off makes the norm of all rows small, *found has no
- * modes. */
+ * modes until `allowed` is used up. If all rows have small norms, which round-off can cause,
+ * *found has no modes. */
 static ehd_status decompose_remainder(pod_basis *found, const pod_stream *self, double left,
                                       double allowed, ehd_error *error) {
     double *rows = array_new(self->num_waiting, self->num_nodes, sizeof *rows), left_out;

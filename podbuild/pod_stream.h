@@ -13,8 +13,9 @@
 
 typedef struct pod_stream_settings {
     // Energies that may be omitted, relative to the energy of all snapshots so far, 0 <= … < 1.
-    // local_energy: squared distance of the snapshots from the directions. dropped_energy: energy
-    // of directions that are dropped because max_rank is reached.
+    // local_energy: squared distance of the snapshots from the span of the directions
+    // (pod_stream_create). dropped_energy: energy of directions that are dropped because max_rank
+    // is reached.
     double local_energy, dropped_energy;
     size_t block;    // number of snapshots that are processed together
     size_t max_rank; // largest number of directions; 0: no limit
@@ -68,8 +69,9 @@ ehd_status pod_stream_add(
 /* Adds the rows of a POD in place of the snapshots of this POD. Errors as pod_stream_add. */
 ehd_status pod_stream_merge(pod_stream *self, const pod_basis *part, ehd_error *error);
 
-/* Increases p by the squared distance between original snapshots and the compressed ones that were
- * added in their place. Parts hold different snapshots, so their squared distances add up. */
+/* Increases p (pod_stream_create) by the squared distance between original snapshots and the
+ * compressed snapshots that were added in their place. Different compressed sets come from
+ * different snapshots, so their squared distances add up. */
 void pod_stream_inherit(pod_stream *self, double squared_distance);
 
 /* Returns the sum of the squares of all snapshots so far. */
@@ -91,8 +93,8 @@ ehd_status pod_stream_finish(
 double pod_stream_bytes(size_t num_nodes, size_t num_snapshots,
                         const pod_stream_settings *settings);
 
-/* Returns the memory of all work with streams, bytes, for a block size and a largest number of
- * directions. */
+/* Returns the memory of a whole computation with streams, bytes, for a block size and a largest
+ * number of directions. `work`: data of this computation. */
 typedef double pod_work_bytes(const void *work, size_t block, size_t max_rank);
 
 /* Divides a memory limit, bytes, between a block of snapshots and `least` to `most` directions.

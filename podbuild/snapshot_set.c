@@ -305,7 +305,7 @@ ehd_status snapshot_set_gather(snapshot_set *self, const solved_state *states, s
 
 // ---- fields
 
-/* Reads one entry of a pressure field and sets the boundary nodes to zero. */
+/* Reads one entry of `field`, a dataset of pressure fields, and sets the boundary nodes to zero. */
 static ehd_status get_pressure(double *pressure, const ehd_grid *grid, artefact *file,
                                const char *field, size_t entry, ehd_error *error) {
     double *inner = array_new(grid->num_inner, 1, sizeof *inner);

@@ -17,19 +17,19 @@
 typedef struct snapshot_source {
     const char *path;      // NULL: solutions in memory
     artefact *file;        // NULL: the file is closed, or the solutions are in memory
-    const double **fields; // [num_states] pressures in memory, with boundary nodes; NULL: in a file
+    const double **fields; // [num_states] pressures with boundary nodes; NULL: they are in the file
     bool is_part;          // the file is a part; its rows are modes times their singular values
     part_origin origin;    // origin of a part
     double *values;        // [num_rows] singular values of a part
     size_t num_states;     // converged states
     size_t *entry;         // [num_states] entries of the converged states in the file
-    // Columns of the states; empty for a part. The only coordinate is the rigid approach. Exits
+    // Scalars of the states; empty for a part. The only coordinate is the rigid approach. Exits
     // are set only for solutions in memory.
     reduced_states states;
     size_t num_rows;       // number of rows: stationary states, then compressed steps of
                            // trajectories; the rows of a part are its modes
     size_t num_stationary; // number of rows that are stationary states
-    size_t *row_state;     // [num_stationary] states of the stationary rows
+    size_t *row_state;     // [num_stationary] row r is the field of state row_state[r]
 } snapshot_source;
 
 typedef struct snapshot_set {
@@ -44,7 +44,7 @@ typedef struct snapshot_set {
     size_t num_left_out;         // number of states that had not converged or were not trusted
 } snapshot_set;
 
-/* Opens all files and reads the columns of their states, but no fields. Errors: EHD_DATA (no
+/* Opens all files and reads the scalars of their states, but no fields. Errors: EHD_DATA (no
  * converged state, files of different grids, or values that are not finite); other errors
  * as artefact_open. */
 ehd_status snapshot_set_open(

@@ -128,10 +128,10 @@ static ehd_status visit_states(row_squares *squares, const ehd_contact *contacts
     return status;
 }
 
-/* Turns norms into weights: one over the root mean square. A row behind the first exit gets at most
- * the weight of the last row before all exits. Rows behind the first exit have small norms, so
- * their weights would grow towards the last exit. With such weights the exit of many solutions
- * would not settle. */
+/* Turns norms into weights: one over the root mean square. A row behind the exit of any solution
+ * gets at most the weight of the last row before all exits. The norms of such rows are small, and
+ * one over the norm grows towards the exit farthest downstream. If it were the weight, the exit of
+ * many solutions would not settle. */
 static void turn_over(double *weight, const row_squares *squares, size_t num_nodes) {
     double last = 1;
 

@@ -15,7 +15,7 @@ typedef ehd_status test_weight_function(
     const reduced_basis *basis, const ehd_contact *contacts, size_t num_contacts, ehd_error *error);
 
 typedef struct test_weight {
-    const char *name; // "mode"
+    const char *name; // argument of --weight, such as "mode"
     test_weight_function *weigh;
     bool needs_contacts;
     const char *help;
@@ -26,15 +26,16 @@ extern const test_weight test_weights[]; // ends with an entry whose name is NUL
 /* Returns the entry of this name, or NULL. */
 const test_weight *test_weight_find(const char *name);
 
-/* Weight "mode": the absolute first pressure mode, with a floor. */
+/* Weight "mode": the magnitude of the first pressure mode, with a lower limit (README.md, The
+ * floor). */
 test_weight_function test_weight_mode;
 
 /* Weight "identity": 1 for every row. */
 test_weight_function test_weight_identity;
 
 /* Weight "row-norm": one over the norm of the row of the reduced Jacobian. The norm is the root
- * mean square over the stationary training solutions whose contact is given. Rows behind the first
- * exit of these solutions get at most the weight of the last row before this exit. EHD_DATA: no
+ * mean square over the stationary training solutions whose contact is given. Rows behind the exit
+ * of any of these solutions get at most the weight of the last row before all exits. EHD_DATA: no
  * contact belongs to a training solution. */
 test_weight_function test_weight_row_norm;
 

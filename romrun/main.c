@@ -213,7 +213,7 @@ typedef struct attempt {
     online_solver *solver;
     online_result solution;
     online_indications others;
-    double first_seconds; // time of an earlier attempt with other sizes
+    double first_seconds; // time of an earlier attempt with another model size
 } attempt;
 
 static void attempt_free(attempt *self) {
@@ -264,12 +264,12 @@ static ehd_status solve_scene(attempt *self, romrun_options *options, const prog
     return status;
 }
 
-/* The state while a stationary scene is solved. */
+/* Data of a stationary scene that is being solved. */
 typedef struct stationary_run {
     const program *caller;
     romrun_options *options;
     const ehd_contact *contact;
-    stored_result against; // result of --against
+    stored_result against; // stored result that --against names
     attempt attempt;
     fallback full; // zero unless the full model solves the scene
     bool by_full_model;
@@ -574,9 +574,9 @@ static bool has_other_sizes(const romrun_options *options) {
 }
 
 /* Repeats a march with the most accurate sizes if the first march did not converge or is not
- * trusted. If the repetition does not converge although the first march did, marches with the first
- * sizes again. With --resume, EHD_DATA may mean that the interrupted run already was a repetition;
- * this repetition is then continued with the most accurate sizes. */
+ * trusted. If the repetition does not converge although the first march did, repeats the march with
+ * the first sizes. With --resume, EHD_DATA may mean that the interrupted run already was a
+ * repetition; this repetition is then continued with the most accurate sizes. */
 static ehd_status march_again(const transient_run *self, ehd_status first, ehd_error *error) {
     romrun_options *options = self->options;
     const bool poor = first == EHD_NOT_CONVERGED || first == EHD_UNTRUSTED;

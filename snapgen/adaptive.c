@@ -46,8 +46,8 @@ typedef struct adaptive {
     double (*films)[NUM_FILMS]; // [num_points] films of the full model at solved points
     bool *trained;              // [num_points]
     size_t *state_of_point;     // [num_points] number of the state in the file, of trained points
-    trial_verdict *verdicts;    // [num_points] by the present model, for points not trained
-    double *indicated; // [num_points] error estimates of points not trained; INFINITY: no estimate
+    trial_verdict *verdicts;    // [num_points] by the present model, at points not trained on
+    double *indicated; // [num_points] error estimates at points not trained on; INFINITY: unknown
 
     size_t num_states;
     adaptive_state *states; // [num_states]
@@ -74,8 +74,9 @@ static void adaptive_free(adaptive *self) {
     free(self->rounds);
 }
 
-/* Sets the places of the candidates, by which neighbours are found. Candidates of one group with
- * the same laws form one family, even if the constants of the laws vary. */
+/* Sets the coordinates of the candidates, by which neighbours are found. Candidates of one group of
+ * the plan with the same viscosity and density laws form one family, even if the constants of the
+ * laws vary. */
 static void find_places(tree_point *places, const training_set *set) {
     training_set_places(places, set);
     for (size_t i = 0; i < set->num_points; i++) {
@@ -130,7 +131,7 @@ static double true_deviation(const adaptive *self, const adaptive_state *state, 
 }
 
 /* Fits the factor of a film's error estimate to the points that a round added. Returns 0 if none of
- * these points can be compared. `work` is [2, num_states]. */
+ * these points can be compared (is_compared). `work` is [2, num_states]. */
 static double factor_of(const adaptive *self, size_t round, int film, double *work) {
     double *deviations = work, *bounds = work + self->num_states;
     size_t count = 0;
@@ -255,7 +256,8 @@ static ehd_status add_worst(adaptive *self, const double *indicated, size_t max_
     return status;
 }
 
-/* Sets the coordinates of the points in the trained range, divided by the extent of all points. */
+/* Computes the coordinates of the points as in the trained range (trained_place). Divides each
+ * coordinate by its range over all points. */
 static void normalise(double (*places)[RANGE_AXES], const training_set *set) {
     double low[RANGE_AXES], high[RANGE_AXES];
 
@@ -387,8 +389,8 @@ static size_t nearest_before(const adaptive *self, const tree_point *from,
  * later rounds each point starts from the nearest point of earlier rounds. No point therefore needs
  * another point of its own round, and any process may solve any point. Starts from points of the
  * same round would save nothing, because these points are far apart. For the plan of examples/line
- * Newton takes 10.4 iterations a point, and 13.7 with starts from the same round. For the plan of
- * examples/point it takes 6.0, and 5.8 with starts from the same round. */
+ * Newton's method takes 10.4 iterations per point, and 13.7 with starts from the same round. For
+ * the plan of examples/point it takes 6.0, and 5.8 with starts from the same round. */
 static ehd_status order_points(adaptive *self, ehd_error *error) {
     double scale[TREE_AXES];
 
@@ -402,7 +404,7 @@ static ehd_status order_points(adaptive *self, ehd_error *error) {
     return tree_order(self->set->order, self->set->parent, self->set->num_points, error);
 }
 
-/* Stores a solved point. It is the member `store` of the training. */
+/* Stores a solved point. This function is the member `store` of the training. */
 static ehd_status store(void *sink, const training_set *set, size_t point, const snapshot *solution,
                         ehd_error *error) {
     adaptive *self = sink;
@@ -479,17 +481,17 @@ static ehd_status build_model(reduced_model *model, trial_costs *costs, const ad
     return status;
 }
 
-/* Reports the durations of the stages after the training, for the present points. These durations
- * are lower limits, because the number of further rounds is not known. Extrapolated error estimates
- * do not predict this number (docs/history.md, adaptive-training). solve_round reports the duration
- * of the check, which needs full solutions. */
+/* Reports the expected durations of the stages after the training, for the present points. These
+ * durations are lower limits, because further rounds add points. Extrapolated error estimates do
+ * not predict the number of rounds (docs/history.md, adaptive-training). solve_round reports the
+ * duration of the check, which needs full solutions. */
 static void tell_costs(const adaptive *self, const trial_costs *costs) {
     const stage *here = &self->caller->stage;
 
     stage_expect(here, "basis", costs->basis);
     stage_expect(here, "residuals", costs->residuals);
     stage_expect(here, "rows", costs->rows);
-    // expected for the training of each other part of the region
+    // each other part of the region is expected to need the same time for its training
     stage_expect(here, "training", program_seconds() - self->started);
 }
 
@@ -562,7 +564,7 @@ static ehd_status judge_round(adaptive *self, ehd_error *error) {
 
 // ---- pieces
 
-/* Takes over solutions of the last round from the pieces that other processes have solved. */
+/* Copies solutions of the last round from the pieces, files that other processes have written. */
 static ehd_status take_pieces(adaptive *self, const adaptive_task *task, ehd_error *error) {
     ehd_status status = EHD_OK;
 
@@ -707,7 +709,8 @@ static ehd_status open_file(adaptive *self, bool resume, ehd_error *error) {
     return adaptive_file_create(&self->file, self->caller, self->set, self->plan_path, error);
 }
 
-/* Warns that all points are used without a successful check. */
+/* Warns that all candidates, or as many as --max-points allows, are used without a successful
+ * check. */
 static void warn_of_end(const adaptive *self) {
     const bool limited = self->num_states < self->set->num_points;
     char name[POINT_NAME] = "";
@@ -808,8 +811,8 @@ ehd_status adaptive_train(const program *caller, const adaptive_task *task, ehd_
 
 // ---- a piece of a round
 
-/* Chooses the points of the piece that is to be solved: every N-th of the points that are not
- * done. */
+/* Chooses the points of the piece that is to be solved: every N-th of the points that are not done,
+ * where N is the number of pieces. */
 static ehd_status choose_piece(adaptive_state *chosen, size_t *count, adaptive *self,
                                const adaptive_task *task, ehd_error *error) {
     const size_t num_open = count_open(self), total = task->piece.total;

@@ -29,7 +29,7 @@ typedef struct adaptive_task {
     size_t num_workers;
     // for a training whose rounds are solved in pieces, with one call for each piece:
     bool only_choose;          // adaptive_train ends as soon as there are points to solve
-    const char *const *pieces; // [num_pieces] outputs of adaptive_solve to take over
+    const char *const *pieces; // [num_pieces] outputs of adaptive_solve, whose solutions are copied
     size_t num_pieces;
     const char *parts;     // file for a list of parts (parts_write); NULL: always one model
     const char *chosen_in; // for adaptive_solve: the .partial file with the chosen points
@@ -43,12 +43,12 @@ typedef struct adaptive_task {
  *   the errors of these points.
  * - The next round has the candidates with the largest estimates.
  * - If no estimate exceeds the accuracy, the next round is a check of some points with the largest
- *   estimates, and some points as far as possible from all others. Training ends if the previous
- *   model was as accurate as wanted at these points.
+ *   estimates, and some points as far as possible from all others. Training ends if the model made
+ *   before the check was accurate at these points, and no estimate exceeds the accuracy afterwards.
  *
  * The output file, caller->output, grows from round to round, and an interrupted training can be
  * resumed. The chosen points and their solutions do not depend on num_workers, on interruptions, or
- * on the process that solved a point. Solutions of the last round in `pieces` are taken over. With
+ * on the process that solved a point. Solutions of the last round in `pieces` are copied. With
  * `parts` the training ends early if one model is expected to need too many points, and writes a
  * list of parts of the region in place of the output (README.md, Parts of a region).
  * Errors: EHD_NOT_CONVERGED: more points than allowed, or all points, failed in the full model;
@@ -56,9 +56,9 @@ typedef struct adaptive_task {
  * of snapshots_create and snapshots_resume. */
 ehd_status adaptive_train(const program *caller, const adaptive_task *task, ehd_error *error);
 
-/* Solves a piece of a round: every N-th of the points in `chosen_in` that are not done. An
- * interrupted output, caller->output, can be resumed. Points that do not converge are stored as not
- * converged.
+/* Solves a piece of a round: every N-th of the points in `chosen_in` that are not done, where N is
+ * task->piece.total. An interrupted output, caller->output, can be resumed. Points that do not
+ * converge are stored as not converged.
  * Errors: EHD_USAGE: fewer points than pieces; EHD_DATA: `chosen_in` is of another training or has
  * no point to solve; EHD_INTERRUPTED; errors of adaptive_train. */
 ehd_status adaptive_solve(const program *caller, const adaptive_task *task, ehd_error *error);

@@ -46,7 +46,7 @@ static ehd_status put_choice(artefact *file, size_t place, const adaptive_state 
     return status;
 }
 
-/* Writes the numbers of the states from `first` on. This sets the new length of the axis. */
+/* Writes the numbers of the states from `first` on. This sets the length of the axis `state`. */
 static ehd_status put_numbers(artefact *file, size_t first, size_t count, ehd_error *error) {
     double *numbers = malloc((count + 1) * sizeof *numbers);
     if (!numbers) return ehd_no_memory(error, artefact_path(file));
@@ -178,7 +178,7 @@ ehd_status adaptive_file_resume(artefact **file, adaptive_state *states, size_t 
 
 // ---- a training in pieces
 
-/* Opens an adaptive training with these settings, finished or not. EHD_DATA: other settings. */
+/* Opens a file of an adaptive training, finished or not. EHD_DATA: its settings are not `text`. */
 static ehd_status open_same(artefact **file, const char *path, const char *text, ehd_error *error) {
     const artefact_schema *const kinds[] = {&schema_snapshots, NULL};
     char *found = NULL;
@@ -207,7 +207,7 @@ ehd_status adaptive_file_read(adaptive_state *states, size_t *num_states,
     return status;
 }
 
-/* Returns the number of values in one entry of a field, along its other axes. */
+/* Returns the number of values of one state in a dataset, whose first axis is `state`. */
 static size_t entry_length(const artefact *file, const artefact_field *field) {
     const char *axes[ARTEFACT_MAX_RANK];
     const size_t rank = artefact_axes(axes, file, field);

@@ -19,8 +19,10 @@ typedef struct adaptive_state {
 /* The outcome of a round. */
 typedef struct adaptive_round {
     size_t num_points; // number of converged points from which the round's model is made
-    double indicated;  // largest error estimate of points not trained; NaN: no points or no factor
-    double deviation;  // largest error at the points of the next round; NaN: there are none
+    double indicated;  // largest error estimate at points that are not trained on; NaN: there are
+                       // no such points, or the factor of the estimates is not known
+    double deviation;  // largest error of the round's model at the points of the next round; NaN:
+                       // there are none
     double seconds;    // s, since the start; NaN: the round is of an earlier run
 } adaptive_round;
 
@@ -56,9 +58,10 @@ ehd_status adaptive_file_read(
     // input:
     const char *path, ehd_error *error);
 
-/* Copies solutions of states that are not done yet from a piece to `file` and `points`. The piece
- * may be unfinished. Errors: EHD_DATA: the piece has other settings than the points' set, or a
- * state that is not in `states`; errors of artefact_open_unfinished and of writing. */
+/* Copies the solutions of states that are not done yet to `file` and `points`. Reads them from a
+ * piece at `path`, the output of adaptive_solve, which may be unfinished. Errors: EHD_DATA:
+ * the piece has other settings than the points' set, or a state that is not in `states`; errors of
+ * artefact_open_unfinished and of writing. */
 ehd_status adaptive_file_take(
     // in and out:
     artefact *file, training *points, double (*films)[NUM_FILMS],

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Chooses the states of a trajectory that are stored uncompressed: the states at regular times, and
- * the states at which a quantity that limits the trained range is extreme. The number of these
- * states does not depend on the number of steps. All other states are only stored in compressed
- * form (README.md, Training).
+/* Chooses the states of a trajectory that are stored uncompressed: the states at regular times
+ * (KEPT_TIMES equally spaced points in time), and the states at which a quantity that limits the
+ * trained range is extreme. The number of these states does not depend on the number of time steps.
+ * All other states are only stored in compressed form (README.md, Training).
  * Called by trajectory.c for each step. */
 #ifndef EHD_KEPT_STATES_H
 #define EHD_KEPT_STATES_H
@@ -19,7 +19,7 @@ enum {
 
 typedef struct kept_state {
     double time;
-    double rate;      // rate of change of the contact (frame_rates, all)
+    double rate;      // rate of change of the contact (member `all` of frame_rates)
     double load_rate; // largest rate of the load on the trajectory so far
     double moes_M, moes_L, alpha_p_H, hertz_pressure;
     flow_thinning thinning;
@@ -52,7 +52,8 @@ void kept_states_free(kept_states *self);
 void kept_states_consider(kept_states *self, const march_step *step, const ehd_contact *reference,
                           const double *pressure, const double *film, const size_t *exits);
 
-/* Fills the regular times that a march did not reach with the last state of the march. */
+/* For the regular times that a march did not reach, stores the state of the last regular time that
+ * it reached. */
 void kept_states_complete(kept_states *self);
 
 #endif

@@ -18,7 +18,7 @@ typedef struct hull {
 } hull;
 
 /* Returns how far a point lies to the left of the line from one corner to another. If both corners
- * have the same place, returns the distance from this place. */
+ * have equal coordinates, returns the distance from them. */
 static double distance_outside(const hull *self, size_t from, size_t to, size_t point) {
     const double *a = self->places[from], *b = self->places[to], *p = self->places[point];
     double along[2] = {b[0] - a[0], b[1] - a[1]}, there[2] = {p[0] - a[0], p[1] - a[1]};
@@ -28,7 +28,7 @@ static double distance_outside(const hull *self, size_t from, size_t to, size_t 
     return (along[0] * there[1] - along[1] * there[0]) / length;
 }
 
-/* Adds all corners that lie to the left of the line between two known corners. */
+/* Adds all corners that lie to the left of the line from one known corner to another. */
 static void add_between(hull *self, size_t from, size_t to) {
     size_t furthest = NO_PARENT;
     double farthest = self->tolerance;
@@ -133,7 +133,7 @@ size_t point_choice_corners(size_t *corners, const double (*places)[RANGE_AXES],
     double *memory = malloc((1 + RANGE_AXES) * num_points * sizeof *memory);
     size_t *extremes = malloc(2 * RANGE_AXES * sizeof *extremes);
     if (memory && extremes) {
-        self.corners = extremes; // a separate array: `corners` may have fewer places
+        self.corners = extremes; // a separate array: `corners` may be shorter
         add_extremes(&self);
         drop_repeated(&self);
         for (size_t i = 0; i < self.count; i++)
@@ -166,10 +166,10 @@ static bool is_worse(const candidates *from, const nearness *near, size_t i, siz
     return fmin(near->trained[i], near->chosen[i]) > fmin(near->trained[j], near->chosen[j]);
 }
 
-/* Returns the worst candidate that is far enough from the candidates chosen in this call: its
- * distance from them is at least `part` times its distance from the points trained before. Returns
- * NO_PARENT if there is no such candidate. `known`: considers only candidates with a finite error
- * estimate. */
+/* Returns the candidate with the largest error estimate (is_worse) among the candidates that are
+ * far enough from the candidates chosen in this call: the distance is at least `part` times the
+ * distance from the points trained before. Returns NO_PARENT if there is no such candidate.
+ * `known`: considers only candidates with a finite error estimate. */
 static size_t worst(const candidates *from, const nearness *near, double part, bool known) {
     size_t best = NO_PARENT;
 
@@ -183,8 +183,9 @@ static size_t worst(const candidates *from, const nearness *near, double part, b
     return best;
 }
 
-/* Returns the worst candidate like `worst`. Lowers the required distance until a candidate is far
- * enough. Candidates that differ only by round-off are treated as the same candidate. */
+/* Calls `worst` with part = 1, then with half of the previous part, until it returns a candidate.
+ * Stops at DBL_EPSILON, so that two candidates that differ only by round-off are not both chosen.
+ * Then returns NO_PARENT. */
 static size_t furthest_worst(const candidates *from, const nearness *near, bool known) {
     size_t found = NO_PARENT;
 

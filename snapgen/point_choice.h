@@ -10,12 +10,13 @@
 #include "romrun/trust/trained_range.h"
 #include <stdbool.h>
 
-/* Finds the corners of the convex hull of places. Leaves out corners that lie at most `tolerance`
- * outside the hull of the other corners. Returns the number of corners, 0 if there is no memory. If
- * places are equal, only the first can be a corner, so that the result depends on the places alone.
- * - If all places lie in a plane (only the first two coordinates differ), finds the corners by
+/* Finds the corners of the convex hull of points with the coordinates `places`. Leaves out corners
+ * that lie at most `tolerance` outside the hull of the other corners. Returns the number of
+ * corners, 0 if there is no memory. Of points with equal coordinates only the first can be a
+ * corner, so that the corners depend only on the coordinates.
+ * - If all points lie in a plane (only the first two coordinates differ), finds the corners by
  *   quickhull (Barber, Dobkin and Huhdanpaa 1996), which stops at this tolerance.
- * - Otherwise repeatedly adds the place that lies furthest outside the hull so far. */
+ * - Otherwise repeatedly adds the point that lies furthest outside the hull so far. */
 size_t point_choice_corners(
     // output:
     size_t *corners, // [return value], room for num_points

@@ -127,7 +127,7 @@ static ehd_status write_plan(const parts_request *of, const part *range, bool fi
     }
     fputs("part_of: ", file.stream);
     write_quoted(file.stream, whole);
-    // the first and the last part have no bound at the end of the region
+    // the first part has no lower bound of M, and the last part has no upper bound
     fprintf(file.stream, "\nwhere: {moes_M: [%.4g, %.4g]}\ncandidates_times: %.3g\n",
             first ? 0 : exp(range->low), last ? 1e99 : exp(range->high),
             density_of(range, of->set));
@@ -153,7 +153,7 @@ static ehd_status write_plans(FILE *list, const parts_request *of, const part *p
     return status;
 }
 
-/* Writes the kind of contact, and the grid of all parts as settings. */
+/* Writes the kind of contact, and the grid of all parts as --set options. */
 static void write_grid(FILE *list, const training_set *set) {
     const grid_extent grid = grid_extent_of(&set->grid);
 

@@ -113,9 +113,9 @@ static ehd_status begin_tracer(void **worker, void *shared, ehd_error *error) {
 
 /* Solves a point and keeps its iterations. The solver starts from the nearest trained solution of
  * another point, since most iterations of the online solver are like the iterations from such a
- * start. If this iteration does not converge, it starts from a guess that uses all trained
- * solutions around the point, including its own. Iterations that diverge are left out: they are
- * larger than all others together, and would determine the rows. */
+ * start. If the solver does not converge from there, it starts from a guess that uses all trained
+ * solutions around the point, including its own. Iterations that diverge are left out: their
+ * residuals are larger than all other residuals together, and would determine the selected rows. */
 static ehd_status trace_point(void *shared, void *worker, size_t point, size_t parent,
                               ehd_error *error) {
     repeated_training *training = shared;
@@ -264,8 +264,8 @@ static ehd_status write_iterations(void *sink, size_t point, const point_trace *
 }
 
 /* Writes the compressed iterations of the trajectories, after the iterations of the points.
- * `width`: length of a row of the file. If one of the two sets has fewer rows, rows of zeros are
- * added, which have no effect. */
+ * `width`: length of a row of the file. If one of the two sets (residuals, Jacobian steps) has
+ * fewer rows, rows of zeros are added, which have no effect. */
 static ehd_status put_compressed(artefact *file, const trajectories *repeated, size_t width,
                                  size_t first, size_t count, ehd_error *error) {
     const struct {

@@ -12,8 +12,8 @@
 /* Solves every point of the set with the modes of the basis at `basis_path` and all Reynolds rows.
  * Writes to caller->output the weighted residual D f and the weighted Jacobian step D J dz of every
  * iteration that led to a solution (Maier et al. 2015, section 3.2). Each point starts from the
- * nearest trained solution of another point. If this iteration does not converge, the point starts
- * from a guess that uses all trained solutions around it. A note reports points that do not
+ * nearest trained solution of another point. If the solver does not converge from there, the point
+ * starts from a guess that uses all trained solutions around it. A note reports points that do not
  * converge.
  * Errors: EHD_DATA: a basis of another grid or contact; EHD_NOT_CONVERGED: all points failed, and
  * nothing is written; EHD_INTERRUPTED, EHD_MEMORY, I/O. */

@@ -119,7 +119,7 @@ ehd_status snapshots_create(artefact **file, const program *caller, const traini
 
 // ---- storing
 
-/* Writes the place where the pressure ends on each line, as an index into x and as X. */
+/* Writes where the pressure ends on each line, as an index into x and as a coordinate X. */
 static ehd_status put_exits(artefact *file, const ehd_grid *grid, size_t place,
                             const double *pressure, ehd_error *error) {
     size_t num_lines = grid->inner_lines, whole_lines = grid_whole(grid).inner_lines;
@@ -319,7 +319,7 @@ static ehd_status restore(training *points, size_t point, artefact *file, size_t
     return status;
 }
 
-/* Checks whether a state has the contact of the plan. EHD_DATA. */
+/* Checks whether a state has the contact of the plan. EHD_DATA: it has another contact. */
 static ehd_status check_contact(artefact *file, size_t state, const ehd_contact *contact,
                                 ehd_error *error) {
     const flow_thinning thinning = traction_thinning(contact);
@@ -359,7 +359,7 @@ ehd_status snapshots_restore(bool *whole, training *points, size_t point, artefa
 static ehd_status restore_points(training *points, artefact *file, ehd_error *error) {
     const training_set *set = points->set;
     int64_t *outcomes = malloc(num_states(set) * sizeof *outcomes);
-    bool whole = true; // an incomplete point is solved again
+    bool whole = true; // false: the point is incomplete and is solved again
     ehd_status status = EHD_OK;
 
     if (!outcomes) status = ehd_no_memory(error, artefact_path(file));

@@ -36,10 +36,10 @@ ehd_status snapshots_put_trajectories(artefact *file, const training_set *set,
 ehd_status snapshots_store(void *sink, const training_set *set, size_t state,
                            const snapshot *solution, ehd_error *error);
 
-// ---- steps of the functions above, also for adaptive training
+// ---- used by the functions above, and by adaptive training
 
-/* Declares the fields along the states. Fields of trajectories, of adaptive training, of thinned
- * flows and of error estimates of the grid are declared only if the set has such data. */
+/* Declares the datasets with the axis `state`. The datasets of trajectories, of adaptive training,
+ * of thinned flows and of errors due to the grid are declared only if the set has such data. */
 ehd_status snapshots_declare(artefact *file, const training_set *set, bool adaptive,
                              ehd_error *error);
 

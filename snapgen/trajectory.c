@@ -116,8 +116,8 @@ static ehd_status observe(void *context, const double *residual, const double *s
     return EHD_OK;
 }
 
-/* Adds the iterations of a solution to the compressed sets. Iterations of a failed step, which is
- * repeated with a shorter length, are left out. */
+/* Adds the iterations of a solution to the streams, which compress them. Iterations of a failed
+ * time step, which is repeated with a shorter length, are left out. */
 static ehd_status end_solution(void *context, const reduced_info *info, ehd_error *error) {
     trajectory_run *self = context;
     const size_t count = info->status == EHD_NOT_CONVERGED ? 0 : self->num_iterations;
@@ -172,8 +172,8 @@ static void end_run(trajectory_run *self) {
     free(self->iterations[1]);
 }
 
-/* Marches to the end. `reason`: why the march did not reach the end, or why a march of the full
- * model is not to be trusted; else "". */
+/* Marches to the end time. `reason`: why the march did not reach this time, or why a march of the
+ * full model is not to be trusted; else "". */
 static ehd_status march_to_end(char reason[MARCH_REASON], trajectory_run *self, const scene *given,
                                ehd_error *error) {
     march run = {.reference = reference_of(self),

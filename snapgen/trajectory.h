@@ -19,7 +19,7 @@
 typedef struct trajectories {
     size_t num_trajectories, num_failed;
     kept_states *kept; // [num_trajectories]
-    bool *failed;      // [num_trajectories]; no state of a failed trajectory is kept
+    bool *failed;      // [num_trajectories]; states of failed trajectories are not used
     size_t num_steps;
     // PODs of all trajectories. Full model: `first` is the POD of the pressures, `second` is empty.
     // Reduced model: `first` is the POD of D f, `second` is the POD of D J dz. The trajectories are
@@ -30,7 +30,7 @@ typedef struct trajectories {
 void trajectories_free(trajectories *self);
 
 /* Runs the trajectories of a set with the full model. A trajectory that does not reach its end,
- * or is not to be trusted, is counted, with a warning. */
+ * or is not to be trusted, is counted as failed, with a warning. */
 ehd_status trajectories_train(
     // output:
     trajectories *self, // free with trajectories_free

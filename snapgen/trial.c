@@ -33,7 +33,8 @@ static ehd_status build_basis(reduced_basis *basis, const training_set *set,
     return status;
 }
 
-/* Solves with all rows and collects the iterations, from which rows are selected. */
+/* Solves the training points again with all rows, and collects the iterations, from which rows are
+ * selected. */
 static ehd_status repeat_training(residual_snapshots *snapshots, const program *caller,
                                   const training_set *set, const reduced_basis *basis,
                                   size_t num_workers, ehd_error *error) {

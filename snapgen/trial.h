@@ -24,7 +24,7 @@ ehd_status trial_build(
     reduced_model *model, // free with reduced_model_free
     trial_costs *costs,
     // input:
-    const program *caller,      // messages of the three steps are not shown
+    const program *caller,      // messages of the three computations are not shown
     const training_set *set,    // the points of the solutions
     const solved_state *states, // [num_points of the set]
     double discarded_energy, size_t num_workers, ehd_error *error);
@@ -34,7 +34,7 @@ enum { FILM_CENTRAL, FILM_MINIMUM, NUM_FILMS };
 
 /* Error bounds and films that the model gives for a contact. */
 typedef struct trial_verdict {
-    double bound[NUM_FILMS]; // indicator_bound, …_minimum; infinite if not converged
+    double bound[NUM_FILMS]; // indicator_bound, indicator_bound_minimum; infinite if not converged
     double film[NUM_FILMS];  // H; NaN if not converged
 } trial_verdict;
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Read by clang-tidy before each test: cmocka does not say that a failed assertion does not
- * return. */
+/* Clang-tidy reads this file before each test, because cmocka does not declare that a failed
+ * assertion does not return. */
 #ifndef TESTS_LINT_H
 #define TESTS_LINT_H
 

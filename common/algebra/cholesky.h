@@ -8,9 +8,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Replaces the lower part of a matrix, stored by columns, by its Cholesky factor L, so that L L^T
- * is the matrix. The part above the diagonal is not read; its content is undefined afterwards.
- * Returns false for a matrix that is not positive definite, or not finite. */
+/* Replaces the lower triangle of a matrix, stored by columns, by its Cholesky factor L. The matrix
+ * is L L^T. The numbers above the diagonal are not read and are undefined afterwards. Returns false
+ * for a matrix that is not positive definite, or not finite. */
 bool cholesky_factorise(double *matrix, // [size, size]
                         size_t size);
 
@@ -19,7 +19,7 @@ void cholesky_solve(
     // output:
     double *x, // [size]
     // input:
-    const double *factor, // L, [size, size] lower part by columns
+    const double *factor, // L, [size, size] lower triangle by columns
     size_t size);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes distances from the convex hull of points in up to four dimensions. The method is
  * non-negative least squares (nnls.h), which does not need the facets of the hull.
- * Called by romrun/trust to check the trained range and lubricants, and by
- * snapgen/point_choice.c. */
+ * Called by romrun/trust to check whether a contact and its lubricant lie within the training data,
+ * and by snapgen/point_choice.c. */
 #ifndef EHD_HULL_H
 #define EHD_HULL_H
 

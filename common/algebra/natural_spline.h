@@ -8,8 +8,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Computes the curvatures (second derivatives times step^2 / 6) of `width` splines from their
- * values at `num` nodes. Values of neighbouring nodes are `stride` numbers apart. The equation is
+/* Computes the curvatures of `width` splines from their values at `num` nodes. A curvature is the
+ * second derivative times d^2 / 6, where d is the distance between two nodes. Values of
+ * neighbouring nodes are `stride` numbers apart. The equation is
  *
  *     curvature[k-1] + 4 curvature[k] + curvature[k+1] = second difference of the values
  *
@@ -45,8 +46,8 @@ typedef struct spline_point {
     double weight[NUM_SPLINE_WEIGHTS];
 } spline_point;
 
-/* Returns the point at the distance `nodes`, in steps, from the first of `num` nodes. Outside of
- * the nodes the spline is linear. */
+/* Returns the point at a distance of `nodes` node spacings from the first of `num` nodes. Beyond
+ * the first and the last node the spline is linear. */
 static inline spline_point spline_at(double nodes, size_t num) {
     size_t last = num - 2;
     size_t first = nodes < (double)last ? nodes > 0 ? (size_t)nodes : 0 : last;

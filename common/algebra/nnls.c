@@ -114,8 +114,8 @@ static ehd_status begin(active_set *self, const double *matrix, const double *ri
     return EHD_OK;
 }
 
-/* Returns the unused column with the steepest descent. Returns num_columns if no descent exceeds
- * `least`. */
+/* Returns the unused column whose scalar product with the residual is largest. Returns num_columns
+ * if no product exceeds `least`. */
 static size_t steepest(const active_set *self, double least) {
     const size_t first = self->num_used, left = self->num_rows - first;
     const double *residual = right_of(self) + first;

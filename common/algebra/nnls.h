@@ -15,8 +15,8 @@
  * earlier, with fewer columns in use, if |r| is at most tolerance |b|.
  *
  * Returns EHD_OK, EHD_DATA (a number is not finite), EHD_NOT_CONVERGED, EHD_MEMORY or EHD_INTERNAL.
- * EHD_NOT_CONVERGED means: no solution after ten changes per column. *x is then non-negative, but
- * not optimal. */
+ * EHD_NOT_CONVERGED: no solution was found within ten changes of the set of columns in use, per
+ * column of A. *x is then non-negative, but not optimal. */
 ehd_status nnls_solve(
     // output:
     double *x, // [num_columns]

@@ -46,8 +46,8 @@ void add_matrix_product(
     const double *right, // B, [num_inner, num_columns], rows `right_stride` numbers apart
     size_t right_stride, size_t num_rows, size_t num_columns, size_t num_inner);
 
-/* Computes the lower part of J^T J, stored by columns. The part above the diagonal must not be
- * used. */
+/* Computes the lower triangle of J^T J, stored by columns. The numbers above the diagonal must not
+ * be used. */
 void gram_matrix(
     // output:
     double *gram, // [num_columns, num_columns]

@@ -11,10 +11,10 @@
 typedef struct reflection {
     const double *direction; // v, [count]
     double factor;
-    double end; // first number of the reflected column; the others become zero
+    double end; // first number of the reflected column, whose other numbers are zero
 } reflection;
 
-/* Returns the reflection that turns a vector onto the first axis. */
+/* Returns the reflection that turns the vector `column` onto the first axis. */
 reflection reflection_of(
     // output:
     double *direction, // [count]

@@ -117,7 +117,7 @@ double spline_bend(const spline *self, double x) {
     return 2 * of[1] + 6 * of[2] * (x - self->x[i]);
 }
 
-/* Returns the integral over an interval, from its first node to the distance `along`. */
+/* Returns the integral over interval i, from node i to a point at the distance `along` from it. */
 static double integral_in(const spline *self, size_t i, double along) {
     double of[3];
 

@@ -25,7 +25,7 @@ void spline_fit(spline *self, const double *x, const double *values);
  * is then extrapolated. */
 size_t spline_interval(const spline *self, double x, size_t near);
 
-/* Returns the value at x, which lies in this interval. */
+/* Returns the value at x. `interval` is the interval that contains x (spline_interval). */
 double spline_value(const spline *self, double x, size_t interval);
 
 /* Return the value, the first derivative and the second derivative at x. */

@@ -195,7 +195,8 @@ bool extend_dataset(hid_t dataset, size_t length) {
     return dataset_length(dataset) >= length || set_dataset_length(dataset, length);
 }
 
-/* Selects the entries in the dataset's space and makes the space of the same shape in memory. */
+/* Selects the entries in the dataspace of the dataset, and makes a dataspace of the same shape for
+ * the memory. */
 static bool select_entries(hid_t file_space, hid_t *memory_space, size_t first, size_t count) {
     hsize_t dims[ARTEFACT_MAX_RANK];
     hsize_t start[ARTEFACT_MAX_RANK] = {first};
@@ -242,7 +243,7 @@ ehd_status read_entries(artefact *file, const char *name, artefact_type type, si
                                        : select_part(&of, file, name, first, count, error);
 
     if (!status) {
-        // counted in the dataset itself, whatever its axes claim
+        // the numbers are counted in the dataset itself, because the axes may have other lengths
         const hssize_t found = H5Sget_select_npoints(of.file_space);
         if (found < 0 || (size_t)found != room)
             status = ehd_fail(error, EHD_DATA, "%s: %s: found %lld numbers, expected %zu",

@@ -61,7 +61,7 @@ typedef struct artefact_scale {
 typedef struct artefact_axis {
     const char *name;            // "x", "state", "pressure_mode"
     const char *units;           // "1"
-    const char *long_name;       // meaning; the scale of a pure index is 0, 1, 2, …
+    const char *long_name;       // meaning; the values of a pure index are 0, 1, 2, …
     size_t max;                  // a longer axis is refused
     bool optional;               // a file may lack the axis; fields then leave the axis out
     const artefact_scale *scale; // NULL: the numbers are dimensionless, or already in SI units
@@ -113,8 +113,8 @@ typedef struct artefact artefact;
  *
  * `settings_text` is stored as attribute `settings`. For each path in `inputs` (NULL-terminated,
  * may be NULL), the attributes `input_<n>_path` and `input_<n>_sha256` store the path and the
- * SHA-256 of the file. In the history, the lines of inputs that are artefacts come before the line
- * of this run. */
+ * SHA-256 of the file. The attribute `history` has the history lines of all inputs that are
+ * artefacts, followed by the line of this run. */
 ehd_status artefact_create(
     // output:
     artefact **file,
@@ -132,8 +132,8 @@ ehd_status artefact_create_growing(
     const char *path, const artefact_schema *schema, const char *axis, const program *program,
     const char *settings_text, const char *const *inputs, ehd_error *error);
 
-/* Declares an axis with at least one entry and writes its scale. If `values` is NULL, the scale is
- * 0, 1, 2, … */
+/* Declares an axis with at least one entry and writes its values as an HDF5 dimension scale. If
+ * `values` is NULL, the values are 0, 1, 2, … */
 ehd_status artefact_put_axis(artefact *file, const char *name, size_t length, const double *values,
                              ehd_error *error);
 
@@ -145,8 +145,8 @@ ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first
                                   const double *values, ehd_error *error);
 
 /* Creates the dataset of a field (chunked along its first axis, Fletcher-32, fill NaN or -1) and
- * attaches units, long_name and scales. All axes of the field must exist. artefact_put declares a
- * field itself if needed. */
+ * attaches units, long_name and dimension scales. All axes of the field must exist. artefact_put
+ * declares a field itself if needed. */
 ehd_status artefact_declare(artefact *file, const char *field, ehd_error *error);
 
 /* Declares a field like artefact_declare, but each entry along the first axis has a checksum of its
@@ -200,9 +200,9 @@ ehd_status artefact_end_streaming(artefact *file, ehd_error *error);
  * the file is damaged, or its schema or settings (scene_text_matches) differ. EHD_CANTCREATE: PATH
  * exists and program->force is not set, or another process writes the file.
  *
- * A file with a growing axis is not streaming yet. Its datasets may differ in length, because a
- * killed run may have written its last entries to only some of these datasets. Therefore
- * call artefact_cut_axis next. */
+ * A file with a growing axis does not stream yet after this call. Its datasets may differ in
+ * length, because a killed run may have written its last entries to only some of these datasets.
+ * Therefore call artefact_cut_axis next. */
 ehd_status artefact_resume(
     // output:
     artefact **file,
@@ -306,8 +306,9 @@ bool artefact_has_scale(const artefact *file, const char *axis);
 
 /* Read into the caller's memory, which has room for `room` numbers. EHD_DATA: the file does not
  * have exactly `room` numbers (for example, because its axes do not fit each other), a checksum
- * fails, or an optional field, attribute or scale is missing. Files of other programs may lack
- * scales. artefact_length then still works, but artefact_get_axis returns EHD_DATA. */
+ * fails, or an optional field, an optional attribute or the scale of an axis is missing. Files of
+ * other programs may lack scales of axes. artefact_length then still works, but artefact_get_axis
+ * returns EHD_DATA. */
 ehd_status artefact_get_axis(artefact *file, const char *axis, double *values, size_t room,
                              ehd_error *error);
 ehd_status artefact_get(artefact *file, const char *field, double *data, size_t room,

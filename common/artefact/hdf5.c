@@ -120,8 +120,8 @@ static bool exists(htri_t found) {
     return found > 0;
 }
 
-/* Is called for an attribute that exists but could not be read. After a lack of memory, the type of
- * the attribute is unknown, not wrong. */
+/* Is called, for example, for an attribute that exists but could not be read. After a lack of
+ * memory such an attribute must not be reported as an attribute of the wrong type. */
 void hdf5_note_failure(void) {
     if (errno == ENOMEM) note_unknown();
 }

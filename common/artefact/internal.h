@@ -12,12 +12,12 @@
 /* Properties of a dataset that hdf5_open_own finds. */
 typedef struct own_dataset {
     const char *foreign; // why the dataset must not be read; NULL: it may be read
-    double chunk;        // numbers in a chunk; 1: no chunks
+    double chunk;        // number of values in a chunk; 1: no chunks
     haddr_t address;     // address of the object header; HDF5 references contain this address
 } own_dataset;
 
-/* A dataset of the schema, which is an axis or a field. `field` describes an axis as a field of
- * real numbers along this axis. */
+/* A dataset of the schema: an axis or a field. If the dataset is an axis, `field` describes it as a
+ * field of real numbers along this axis. */
 typedef struct file_dataset {
     artefact_field field;
     const artefact_axis *axis; // NULL: the dataset is a field
@@ -155,7 +155,8 @@ ehd_status check_values(const artefact *file, const artefact_field *field, size_
                         size_t count, const void *data, ehd_error *error);
 /* Reads the field `status` of the file, if it has one, into file->outcomes. */
 ehd_status learn_outcomes(artefact *file, ehd_error *error);
-/* Return the number of entries along the field's first axis, and the numbers in one entry. */
+/* Return the number of entries along the field's first axis, and the number of values in one
+ * entry. */
 size_t num_entries(const artefact *file, const artefact_field *field);
 size_t entry_size(const artefact *file, const artefact_field *field);
 ehd_status check_axis_length(const artefact *file, const char *object, const char *axis,
@@ -230,8 +231,8 @@ bool has_begun(const artefact *file);
 /* If a process is killed while HDF5 changes a file that is not open for streaming, the file may be
  * destroyed. Before such a change the writer therefore makes a copy of PATH.partial and changes
  * only the copy.
- * - use_copy makes the copy under a name of its own. HDF5 has to open the copy afterwards. If the
- *   machine was rebooted after PATH.partial was written, the data of PATH.partial may be
+ * - use_copy makes the copy under a name of its own. The caller then opens the copy with HDF5. If
+ *   the machine was rebooted after PATH.partial was written, the data of PATH.partial may be
  *   incomplete. In this case use_copy copies PATH.saved, if this file exists.
  * - keep_copy gives the copy the name PATH.partial. Call it when the copy is open for streaming.
  * - drop_copy removes the copy.

@@ -60,8 +60,8 @@ static bool has_other_filter(hid_t properties) {
     return count < 0;
 }
 
-/* Returns why a dataset is not read because of its layout or filters; NULL: no reason. *chunk:
- * numbers in a chunk, 1 without chunks. */
+/* Returns the layout or filter, as text, because of which a dataset must not be read. NULL: it may
+ * be read. *chunk becomes the number of values in a chunk, or 1 without chunks. */
 static const char *other_layout(double *chunk, hid_t dataset) {
     const hid_t properties = H5Dget_create_plist(dataset);
     const H5D_layout_t layout = H5Pget_layout(properties);

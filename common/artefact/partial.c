@@ -47,7 +47,8 @@ static ehd_status open_locked(int *descriptor, const char *name, int flags, ehd_
 // ---- the copy
 
 bool has_begun(const artefact *file) {
-    // HDF5 specification: signature, then version and two sizes, consistency flags
+    // by the HDF5 specification a file begins with its signature, its version, two sizes and the
+    // consistency flags
     static const unsigned char signature[] = "\211HDF\r\n\032\n";
     enum { AT_FLAGS = 11, BEING_WRITTEN = 1, STREAMING = 4, NUM_BYTES = 12 };
     static const unsigned char none[NUM_BYTES] = {0};
@@ -69,7 +70,7 @@ static bool copy_bytes(int to, int from) {
     off_t place = 0;
     ssize_t copied;
 
-    // if the file system supports this, both files share the same blocks on disk
+    // on a file system that supports it, the copy shares its blocks on disk with the original
     while ((copied = copy_file_range(from, &place, to, NULL, AT_ONCE, 0)) > 0) {
     }
     return copied == 0;

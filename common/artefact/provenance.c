@@ -57,7 +57,7 @@ char *utf8_copy(const char *text) {
 
 // ---- history
 
-/* Returns a text that names this build and the HDF5 library in use; free(). */
+/* Returns a text that names this build and the HDF5 library in use; free it with free(). */
 static char *creator_text(void) {
     unsigned major = 0;
     unsigned minor = 0;
@@ -126,7 +126,7 @@ static bool has_line(const char *text, const char *line, size_t length) {
     return false;
 }
 
-/* Returns the history of a file; free(). NULL: no artefact, or no history. */
+/* Returns the history of a file; free it with free(). NULL: no artefact, or no history. */
 static char *history_of(const char *path) {
     char *history = NULL;
     hid_t file = hdf5_open(path, H5F_ACC_RDONLY, false);
@@ -137,7 +137,7 @@ static char *history_of(const char *path) {
     return history;
 }
 
-/* Returns the history of all inputs that are artefacts, each line once; free(). */
+/* Returns the history of all inputs that are artefacts, each line once; free it with free(). */
 static char *history_of_inputs(const char *const *inputs) {
     char *all = strdup("");
     for (; all && inputs && *inputs; inputs++) {

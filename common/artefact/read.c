@@ -223,9 +223,10 @@ typedef struct scale_use {
     int axis;
 } scale_use;
 
-/* Reads which datasets use a scale; free(). NULL with *num_uses = 0: the scale has no such list, or
- * the list is not readable. NULL with *num_uses > 0: no memory. The lists of scales in the datasets
- * are not read: they lie in a heap without checksums, and HDF5 1.10 hangs on a damaged heap. */
+/* Reads the list of datasets that use a scale; free it with free(). NULL with *num_uses = 0: the
+ * scale has no such list, or the list is not readable. NULL with *num_uses > 0: no memory. The
+ * lists of scales in the datasets are not read: they lie in a heap without checksums, and HDF5 1.10
+ * hangs on a damaged heap. */
 static scale_use *read_scale_uses(hid_t scale, size_t *num_uses) {
     static const char list[] = "REFERENCE_LIST";
     if (!hdf5_has_attribute(scale, list)) return NULL;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lists what each kind of file holds: one line per field. After a change, tests/unit/test_schemas
- * describes how to update the pages in schemas/. */
+/* Lists what each kind of file holds: one line per field. After a change of this list, update the
+ * pages in schemas/ as tests/unit/test_schemas.c describes. */
 #include "common/artefact/artefact.h"
 
 #define AXIS(name, units, max, long_name)                                                          \
@@ -14,7 +14,7 @@
     { name, ARTEFACT_INTEGER, {__VA_ARGS__}, "1", long_name, need, values, false, NULL }
 #define ATTRIBUTE(name, type, units, need, values, long_name)                                      \
     { name, type, units, long_name, need, values, NULL }
-// a field of a result with one entry per time, which is read entry by entry
+// a field of a result with one entry per point in time, which is read entry by entry
 #define ENTRIES(name, scale, long_name)                                                            \
     {                                                                                              \
         name, ARTEFACT_REAL, {"time", "y", "x"}, "1", long_name, NEED_OPTIONAL, VALUES_ANY, true,  \
@@ -37,7 +37,7 @@ enum {
     MAX_FEW = 1000
 };
 
-// ---- lines that several kinds of file share
+// ---- table entries that several kinds of file share
 
 #define X_AXIS                                                                                     \
     AXIS("x", "1", MAX_X,                                                                          \
@@ -177,9 +177,9 @@ enum {
 
 // ---- result
 
-// Scales that convert the numbers of a result to SI units. Fields and coordinates are dimensionless
-// in the frame, which is scaled by the contact at the time of the entry. All other numbers are
-// dimensionless in the reference frame.
+// Scales that convert the numbers of a result to SI units. Fields and coordinates are scaled with
+// the half width, film unit and Hertz pressure at the time of the entry (the current frame). All
+// other numbers are scaled with the units of the reference contact (the reference frame).
 static const artefact_scale time_scale = {{"time_unit", NULL}, NULL},
                             length_scale = {{"half_width", NULL}, NULL},
                             film_scale = {{"film_unit", NULL}, NULL},

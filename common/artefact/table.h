@@ -15,8 +15,8 @@ bool artefact_is_table(const char *path);
 /* Reads columns by their names. The ending of the file's name decides whether the file is read as
  * HDF5 or CSV. HDF5: a column is a dataset of numbers along one axis, and all columns have the same
  * length. If a column has several possible names, the first name that the file has is used. CSV: as
- * csv_read_table. EHD_NOINPUT: no such file. EHD_DATA: no such table, or a missing column; the text
- * lists the columns that the file has. EHD_IO, EHD_MEMORY. */
+ * csv_read_table. EHD_NOINPUT: no such file. EHD_DATA: the file is no such table, or lacks a
+ * column; the error text lists the columns that the file has. EHD_IO, EHD_MEMORY. */
 ehd_status table_read(
     // input:
     const char *path,

@@ -155,7 +155,7 @@ struct case_table {
     bool expected[NUM_COLUMNS]; // whether some row will have a value
     size_t num_expected;
     bool written[NUM_COLUMNS];
-    int units[NUM_COLUMNS]; // for each column, the column with its SI unit (unit_of)
+    int units[NUM_COLUMNS]; // for each column, the number of the column with its SI unit (unit_of)
     size_t num_rows;        // rows written
     artefact *file;         // NULL for CSV
     output_file out;        // CSV file, not stdout
@@ -183,8 +183,9 @@ static bool applies(const case_table *self, size_t column, const contact_kind *k
            (self->expected[column] && strncmp(columns[column].name, other, strlen(other)) != 0);
 }
 
-/* Returns the number of the column that holds the SI unit of a column. Returns NOT_WRITTEN if there
- * is no such column, or if the table does not have that column. */
+/* Returns the number of the column that holds the SI unit of `column`, for example half_width for
+ * exit_position. Returns NOT_WRITTEN if `column` has no such unit, or if the table does not have
+ * the column of the unit. */
 static int unit_of(size_t column, const bool *written) {
     const artefact_scale *scale = field_of(column)->scale;
 
@@ -379,8 +380,8 @@ static bool hash_file(struct sha256_ctx *hash, const char *path, size_t bytes) {
     return stream && bytes == 0;
 }
 
-/* Finds the last mark in `text` that is for no more than the `size` bytes of the table. Returns the
- * length of `text` up to the end of this mark's line, or 0 if there is no mark. */
+/* Finds the last mark in `text` whose number of bytes is at most `size`, the length of the table.
+ * Returns the length of `text` up to the end of this mark's line, or 0 if there is no mark. */
 static size_t last_mark(done_mark *mark, const char *text, size_t size) {
     const size_t digits = SHA256_TEXT - 1;
     const char *line = text, *end;

@@ -13,7 +13,7 @@ enum { NO_PART = -1 };
 typedef struct case_row {
     int64_t status; // as in a result
     int64_t newton_iterations;
-    int64_t part; // number of the model that solved the scene, from 0; NO_PART: there is only one
+    int64_t part; // number of the model that solved the scene, from 0; NO_PART: only one model
     double moes_M, moes_L, alpha_p_H;
     double hertz_pressure; // Pa
     // only for a scene in SI units:
@@ -60,7 +60,7 @@ void case_table_expect(case_table *table, const case_row *row);
 
 /* Starts to write caller->output, or CSV to stdout if caller->output is NULL. A CSV table has, in
  * this order,
- * - the columns of the list,
+ * - the columns of `list`,
  * - the columns of schemas/cases.md,
  * - if scenes are given in SI units: the columns that have a factor to SI units once more, in SI
  *   units and with the unit after the name,
@@ -88,10 +88,10 @@ ehd_status case_table_status(int64_t *status, case_table *table, ehd_error *erro
 /* Appends rows. The rows are kept if the process is killed later. */
 ehd_status case_table_put(case_table *table,
                           const case_row *rows,    // [count]
-                          const case_texts *texts, // [count] of the list
+                          const case_texts *texts, // [count] rows of `list`
                           size_t count, ehd_error *error);
 
-/* Gives the table its final name, and frees it. EHD_IO. */
+/* Gives the table's file its final name, and frees the table. Error: EHD_IO. */
 ehd_status case_table_finish(case_table **table, ehd_error *error);
 
 /* Frees an unfinished table. If the table has rows, its partial file stays, so that the run can be

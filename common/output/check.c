@@ -7,7 +7,7 @@
 
 #include <stdlib.h>
 
-/* Reads the kind of contact and the number of times, for the readers of results. */
+/* Reads the kind of contact and the number of points in time, which read_result needs. */
 static ehd_status look_at_result(const contact_kind **kind, size_t *num_times, artefact *file,
                                  ehd_error *error) {
     *num_times = artefact_length(file, "time");

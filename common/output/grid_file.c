@@ -10,7 +10,8 @@
 
 static const double COARSEST_STEP = 0.25; // Bounds of the grid step, half widths, as for scenes
 
-/* Writes an axis. `along` is the distance, in rows, between neighbouring nodes of the axis. */
+/* Writes an axis. `along` is the difference between the row numbers (grid_node_of_row) of
+ * neighbouring nodes of the axis. */
 static ehd_status write_axis(artefact *file, const char *name, size_t length, size_t along,
                              const ehd_grid *grid, double place(const ehd_grid *, size_t),
                              ehd_error *error) {

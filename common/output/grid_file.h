@@ -62,7 +62,7 @@ ehd_status contact_kind_read(const contact_kind **kind, artefact *file, ehd_erro
  * inside the grid, or if the kind is unknown. */
 ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, ehd_error *error);
 
-/* Checks that the dry contact lies inside the grid and that the step is not too large. Returns
+/* Checks that the dry contact lies inside the grid and that the grid step is not too large. Returns
  * EHD_DATA, naming `path`, otherwise. */
 ehd_status grid_check_extent(const ehd_grid *grid, const char *path, ehd_error *error);
 

@@ -8,8 +8,8 @@ typedef enum indicated_quantity {
     INDICATED_CENTRAL_PRESSURE, // relative
     INDICATED_EXIT_POSITION,    // half widths; unknown if only the node of the exit is known
     INDICATED_LOAD,             // relative to the reference load
-    INDICATED_PRESSURE,         // largest error of all nodes, in Hertz pressures
-    INDICATED_FILM,             // largest error of all nodes with pressure, over the central film
+    INDICATED_PRESSURE,         // largest error at a node, in Hertz pressures
+    INDICATED_FILM,             // largest error at a node with pressure, over the central film
     // relative error of the friction force; it stands last, because older files lack it
     INDICATED_FRICTION,
     NUM_INDICATED

@@ -14,7 +14,7 @@ size_t inputs_add(
     // input:
     size_t count, const char *path);
 
-enum { MAX_TABLES = NUM_VARY + 1 }; // tables of a scene
+enum { MAX_TABLES = NUM_VARY + 1 }; // largest number of tables of a scene
 
 /* Adds the tables of a scene's histories and surface to the list. Returns the new count. */
 size_t inputs_add_tables(

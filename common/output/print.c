@@ -349,7 +349,7 @@ static void print_header(const column *columns, size_t num_columns, FILE *stream
     fputc('\n', stream);
 }
 
-/* Moves `index` to the next entry; the last axis changes first. */
+/* Moves `index` to the next entry; the position along the last axis varies fastest. */
 static void go_on(size_t index[ARTEFACT_MAX_RANK], const entries *all) {
     for (size_t k = all->rank; k-- > 0;) {
         if (++index[k] < all->lengths[k]) return;

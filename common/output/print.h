@@ -14,10 +14,11 @@
 void print_csv_text(const char *text, FILE *stream);
 void print_csv_real(double value, FILE *stream);
 
-/* Prints entries of an open file as CSV, for at least one name: a header with the names, then a
- * line for each entry of the named datasets. These datasets must have the same axes, and a named
- * axis must be one of these axes. An attribute has the same value in each line. Numbers read back
- * as the same bits (NaN is "nan"); texts are quoted where needed.
+/* Prints datasets, axes and attributes of an open file as CSV. `names` has at least one name. The
+ * names are the header; then follows a line for each entry of the named datasets. These datasets
+ * must have the same axes, and a named axis must be one of these axes. An attribute has the same
+ * value in each line. Numbers read back as the same bits (NaN is "nan"); texts are quoted where
+ * needed.
  *
  * If several axes have more than one entry, the axes that are not named are printed too, as the
  * first columns. Empty lines then separate blocks of lines, as gnuplot's splot and index expect:

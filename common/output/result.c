@@ -98,7 +98,7 @@ static ehd_status put_scalars(artefact *file, const run_result *result, ehd_erro
                  {"central_pressure", result->central_pressure},
                  {"rigid_approach", result->rigid_approach},
                  {"load", result->load},
-                 {"contact_half_width", 1}, // the frame of the reference itself
+                 {"contact_half_width", 1}, // a stationary result is in the reference frame
                  {"frame_hertz_pressure", 1},
                  {"frame_film_unit", 1},
                  {"residual_norm", result->residual}};
@@ -195,8 +195,8 @@ static void print_part(const char **separator, const char *name, double part, co
     *separator = ", ";
 }
 
-/* Prints a film's error estimates for the reduced model, the grid's step and the inlet. Prints
- * nothing if no error of the grid is known. */
+/* Prints estimates of the errors due to the reduced model, the grid step and the inlet length.
+ * Prints nothing if neither error due to the grid is known. */
 static void print_parts(const char *head, double model, double step, double inlet) {
     const char *separator = "";
 
@@ -313,8 +313,8 @@ ehd_status result_get_contact(stored_result *stored, artefact *file, const conta
     return status;
 }
 
-/* Reads the first exit at Y = 0. A point contact has an exit on each line of nodes. A line of nodes
- * has several exits if the entrainment reverses. */
+/* Reads the exit farthest downstream at Y = 0. A point contact has an exit on each line of nodes. A
+ * line of nodes has several exits if the entrainment reverses. */
 static ehd_status get_exit(stored_result *stored, artefact *file, ehd_error *error) {
     const size_t several = artefact_length(file, "exit"), each = several > 0 ? several : 1;
     if (!artefact_has(file, "exit_position")) return EHD_OK;

@@ -30,7 +30,7 @@ typedef struct run_result {
     double central_pressure;
     double rigid_approach;
     double exit_position; // X at which the pressure ends, at Y = 0
-    double load;          // relative to the reference
+    double load;          // relative to the reference load
     size_t newton_iterations;
     double residual;
     double indicated_deviation;         // relative error estimate of the central film, or NaN
@@ -66,7 +66,7 @@ ehd_status result_write(artefact **file, const run_result *result, const ehd_con
 
 /* Writes the attributes of the reference contact. */
 ehd_status result_put_contact(artefact *file, const ehd_contact *contact, ehd_error *error);
-/* Writes the attribute `solve_seconds` and its parts. Only the times of `result` are used. */
+/* Writes the attribute `solve_seconds` and its parts. Only the seconds of `result` are used. */
 ehd_status result_put_seconds(artefact *file, const run_result *result, ehd_error *error);
 /* Returns the value for the field `status`. */
 int64_t result_stored_status(ehd_status status);
@@ -106,8 +106,8 @@ ehd_status result_get_contact(
     // input:
     artefact *file, const contact_kind *kind, ehd_error *error);
 
-/* Reads a stationary result. Errors: see artefact_open. Also returns EHD_DATA for several times,
- * and for numbers that are not finite in a converged result. */
+/* Reads a stationary result. Errors: see artefact_open. Also returns EHD_DATA for several points in
+ * time, and for numbers that are not finite in a converged result. */
 ehd_status result_read(
     // output:
     stored_result *stored, // free with result_free

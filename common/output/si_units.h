@@ -9,7 +9,7 @@
 typedef struct si_units {
     const char *units;      // "m"; "1": dimensionless; "": the schema does not have the name
     double factor;          // 1: no conversion
-    double *frame;          // [num_frames] a second factor along frame_axis; NULL: no factor
+    double *frame;          // [num_frames] second factor, varies along frame_axis; NULL: none
     size_t num_frames;      // length of frame_axis
     const char *frame_axis; // axis of `frame`: "time"
 } si_units;

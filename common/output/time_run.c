@@ -55,7 +55,7 @@ typedef struct runner {
     size_t num_waiting, num_written;
     double started, last_checkpoint, last_write;
     double writing;    // seconds spent on writing since the start
-    run_totals totals; // the films are of all entries, the seconds of earlier runs only
+    run_totals totals; // extremes and sums of all entries; seconds of the runs before a resumption
     time_trace *trace;
     progress progress;
 } runner;
@@ -109,7 +109,7 @@ static ehd_status trace_read(time_trace *trace, artefact *file, size_t num_entri
 
 // ---- storing
 
-/* Returns the totals; the seconds include this run up to `now`. */
+/* Returns the totals. Their seconds also include this run up to `now`. */
 static run_totals totals_at(const runner *self, double now) {
     run_totals totals = self->totals;
     double rows, linear, exit;
@@ -178,7 +178,7 @@ static ehd_status checkpoint(runner *self, double now, ehd_error *error) {
 }
 
 /* Returns the exits in the reference frame, in memory that stays until the entry is written. For a
- * line contact the first exit is taken from `scalars`. */
+ * line contact the exit farthest downstream is taken from `scalars`. */
 static const double *take_exits(runner *self, const march_step *step,
                                 const contact_scalars *scalars) {
     const size_t num_lines = grid_whole(&self->task->reference->grid).inner_lines;

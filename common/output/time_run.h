@@ -49,7 +49,7 @@ typedef struct time_run_task {
     time_run_share (*share)(const void *solver);
 } time_run_task;
 
-/* Central film and pressure over time in the reference frame, for comparisons. */
+/* Central film and central pressure over time in the reference frame, for comparisons. */
 typedef struct time_trace {
     size_t count, capacity;
     double *time, *central_film_thickness, *central_pressure; // [count]

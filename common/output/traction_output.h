@@ -30,7 +30,7 @@ ehd_status traction_put(artefact *file, const contact_traction *traction, ehd_er
 ehd_status traction_put_stresses(artefact *file, size_t index, const ehd_contact *contact,
                                  const double *pressure, // [num_nodes]
                                  const double *film,     // [num_nodes]
-                                 double rigid_approach,  // in the contact's frame
+                                 double rigid_approach,  // in the units of `contact`
                                  ehd_error *error);
 
 /* Prints a line for each number, dimensionless and in SI units. Rolling resistance, rolling moment

@@ -18,13 +18,13 @@ static const char *const field_names[NUM_FIELDS] = {"pressure", "film_thickness"
 typedef struct field {
     const char *name;
     si_units si;
-    double *values; // [lines, nodes of a line] of one time
+    double *values; // [lines, nodes of a line] at one point in time
 } field;
 
 typedef struct images {
     artefact *file;
     const program *caller;
-    size_t num_times, num_x, num_lines; // lines as the file has them
+    size_t num_times, num_x, num_lines; // num_lines: lines of the file, 1 for a line contact
     double *x, *y, *time;
     si_units of_x, of_y, of_time;
     field fields[NUM_FIELDS];
@@ -93,8 +93,8 @@ static void release(images *self) {
     }
 }
 
-/* Reads the fields of a time in SI units. *any is true if the time has fields. A field that was not
- * written is NaN at all nodes. */
+/* Reads the fields at entry `time` of the time axis, in SI units. *any is true if there are fields
+ * at this point in time. A field that was not written is NaN at all nodes. */
 static ehd_status read_time(bool *any, images *self, size_t time, ehd_error *error) {
     const size_t count = self->num_x * self->num_lines;
     ehd_status status = EHD_OK;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Implements --vtk RESULT.h5 -o OUT.vti for every program. Writes the fields of a result, in metres
  * and pascals, as VTK image data, which ParaView opens. The data come from a file and not from a
- * run. Therefore the result of another program, or of a long run, can be viewed too. */
+ * run. Therefore the result of another program, or of an unfinished run, can be viewed too. */
 #ifndef EHD_VTK_H
 #define EHD_VTK_H
 
@@ -15,12 +15,12 @@
  * - NAME.pvd: an image NAME_0000.vti, … in the same folder for each time with fields. NAME.pvd
  *   lists these files with their times in s.
  *
- * An image has two equal layers, and for a line contact also two equal lines, a step apart, because
- * VTK 9.1 crashes with images of one layer.
+ * An image has two equal layers, and for a line contact also two equal lines, a grid step apart,
+ * because VTK 9.1 crashes with images of one layer.
  *
- * Returns EHD_DATA if the file is no result, has no fields, has no SI units, or has several times
- * for a .vti. Returns EHD_USAGE for another ending. Returns EHD_CANTCREATE if a file exists and
- * caller->force is not set. Other errors: EHD_IO, EHD_MEMORY, EHD_INTERRUPTED. */
+ * Returns EHD_DATA if the file is no result, has no fields, has no SI units, or has fields at
+ * several times for a .vti. Returns EHD_USAGE for another ending. Returns EHD_CANTCREATE if a file
+ * exists and caller->force is not set. Other errors: EHD_IO, EHD_MEMORY, EHD_INTERRUPTED. */
 ehd_status vtk_write(artefact *file, const program *caller, ehd_error *error);
 
 /* Writes the file caller->vtk, which may be unfinished, with vtk_write. Frees the program and

@@ -43,9 +43,9 @@ static double line_dry_gap(const contact_shape *shape, double x) {
     return 0.5 * (fabs(x) * sqrt(x * x - 1) - acosh(fabs(x)));
 }
 
-/* Returns ln(half_width/length)/2. In eq. 4 of Maier et al. the deflection is measured at a
- * distance of one current half width. At a fixed distance the constant of this equation changes
- * with the half width (README.md, approach). */
+/* Returns ln(half_width/length)/2. In eq. 4 of Maier et al. the deflection is relative to a point
+ * that is one current half width away. For a point at a fixed distance, the constant of this
+ * equation changes with the half width (README.md, approach). */
 static double line_approach_shift(double half_width, double length) {
     return 0.5 * log(half_width / length);
 }
@@ -167,8 +167,8 @@ static double point_dry_gap(const contact_shape *shape, double x) {
  * estimate for a narrow ellipse is therefore the thicker film of the circle with the same Hertz
  * pressure, R_x and L. The radius of that circle is a/(k compliance). */
 static double point_central_film(const contact_shape *shape, double moes_M, double moes_L) {
-    // ratio: a over the radius of that circle. width: a over the radius of the circle under the
-    // same load
+    // ratio: a over the radius of the circle with the same Hertz pressure. width: a over the radius
+    // of the circle with the same load
     const double k = shape->ellipticity, ratio = k * shape->compliance;
     const double width = cbrt(shape->compliance);
 
@@ -203,7 +203,7 @@ const contact_kind *contact_kind_find(const char *name) {
     return NULL;
 }
 
-// ---- discretisations
+// ---- names of discretisations, boundary conditions and transports
 
 /* Returns the index of a name, or `num` if the list does not contain the name. */
 static size_t find_name(const char *const *names, size_t num, const char *name) {
@@ -447,8 +447,8 @@ grid_extent grid_extent_of(const ehd_grid *grid) {
 }
 
 /* Checks whether a grid has the given ends and step, to 1e-9 of a step. NaN agrees with any value.
- * The sides of the grid may lie outside of y_max by less than a step, because grid_choose moves
- * them outwards to a whole step. */
+ * The sides of the grid may lie outside of y_max by less than a grid step, because grid_choose
+ * moves them outwards until a whole number of steps fits. */
 static bool grid_has(const ehd_grid *grid, const grid_extent *given) {
     const grid_extent found = grid_extent_of(grid);
     const double trifle = ROUNDING * grid->step;

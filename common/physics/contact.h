@@ -30,8 +30,8 @@ typedef struct contact_kind {
     double (*central_film)(const contact_shape *shape, double moes_M, double moes_L);
     // gap of the dry contact on Y = 0, |x| >= 1
     double (*dry_gap)(const contact_shape *shape, double x);
-    // Change of the rigid approach per unit of (int P)/load. `half_width` is the current half
-    // width. `length` is the distance at which the approach is measured. Both are in reference half
+    // Approach measured at the distance `length` minus the rigid approach H0, per unit of
+    // (int P)/load. `half_width` is the current half width. Both lengths are in reference half
     // widths.
     double (*approach_shift)(double half_width, double length);
     // Moes number M. The load number is w/(E' R) for a line contact and w/(E' R^2) for a point
@@ -69,9 +69,9 @@ typedef enum ehd_boundary {
     BOUNDARY_OPEN  // pressure and load from the far field
 } ehd_boundary;
 
-/* Returns the name of a boundary in scenes and files. */
+/* Returns the name of a boundary condition in scenes and files. */
 const char *boundary_name(ehd_boundary boundary);
-/* Finds a boundary by its name. Returns false if there is none. */
+/* Finds a boundary condition by its name. Returns false if there is none. */
 bool boundary_find(ehd_boundary *boundary, const char *name);
 
 /* How a transient solution carries its film through the contact (common/time/README.md). */
@@ -94,7 +94,8 @@ typedef struct ehd_carriage {
 } ehd_carriage;
 
 /* Returns EHD_DATA if `found` and `expected` differ. A NaN smoothing agrees with any value.
- * `found_in` is the file of `found`, or NULL. */
+ * `found_in` is the file that contains `found`, or NULL. `expected_in` names the source of
+ * `expected` in the error message. */
 ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
                           const ehd_carriage *expected, const char *expected_in, ehd_error *error);
 
@@ -102,16 +103,17 @@ ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
  * contact the width of a cell in Y is shape.cell times its length in X.
  *
  * The unknowns are at `num_inner` inner nodes. Boundary nodes, where the pressure is zero or given,
- * lie one step outside. Inner and boundary nodes are numbered together, along x first.
+ * lie one grid step outside of the inner nodes. Inner and boundary nodes are numbered together,
+ * line by line, and with increasing x on each line.
  *
  * A line contact has one line of nodes. Node k is at x_min + (k-1) step, the inner nodes are 1 …
  * num_inner, and num_nodes = num_inner + 2.
  *
- * The lines of a point contact run from y = -y_max to y_max. A half grid uses the symmetry and
- * begins at the mirror line y = 0. A line of boundary nodes lies beyond the first and the last
- * line, but not beyond the mirror line. */
+ * The lines of a point contact are parallel to x, at y from -y_max to y_max. The lines of a half
+ * grid, which uses the symmetry, are at y from 0 (the mirror line) to y_max. A line of boundary
+ * nodes lies beyond the first and the last line, but not beyond the mirror line. */
 typedef struct ehd_grid {
-    double x_min;       // first inner node, half widths
+    double x_min;       // x of the first inner node of a line, half widths
     double step;        // along x, half widths; for the step across see grid_step_across
     size_t inner_x;     // number of inner nodes in a line
     size_t inner_lines; // number of lines of inner nodes; 1 in a line contact
@@ -205,7 +207,7 @@ enum { GRID_EXITS = 8 };
 double grid_weight(const ehd_grid *grid, size_t node);
 /* Returns the length (line contact) or area (point contact) of a cell. */
 double grid_cell(const ehd_grid *grid);
-/* Returns the factor by which the load multiplies the pressure at a node. */
+/* Returns the weight of the pressure at a node in the load int P: grid_weight times grid_cell. */
 double grid_load_weight(const ehd_grid *grid, size_t node);
 
 /* Checks whether two grids have the same nodes, to 1e-9 of a step, and the same discretisation,
@@ -236,7 +238,7 @@ typedef struct ehd_contact {
     double entrainment; // dimensionless, U in eq. 7; 1: stationary, 0: transport along the path
     double far_speed;   // dimensionless, U of the far field. It stays the current U with transport
                         // along the path, where `entrainment` is 0
-    inlet_tail tail;    // inlet upstream of the grid of a line contact; zero: no such inlet
+    inlet_tail tail;    // inlet upstream of the grid of a line contact; zeros: not included
     contact_closure closure;
     ehd_transport transport; // transport of films in time
     double smoothing;        // filter length for TRANSPORT_PATH, half widths; NaN: default
@@ -267,15 +269,15 @@ typedef struct contact_scalars {
     double central_pressure;
     double rigid_approach; // H0
     double exit_position;  // X at which the pressure ends, at Y = 0: between nodes or at a node
-    double load;           // int P over kind->load
+    double load;           // int P, divided by kind->load
 } contact_scalars;
 
 /* Input of contact_init. NaN: the caller does not give this value. */
 typedef struct contact_settings {
     const contact_kind *kind;
     lubricant_settings lubricant;
-    // dimensionless; NaN: computed from load, radius, speed, modulus and viscosity, which have no
-    // other use
+    // dimensionless; NaN: computed from load, radius, speed, modulus and viscosity, which are not
+    // used otherwise
     double moes_M, moes_L;
     double load;           // N/m for a line contact, N for a point contact
     double radius;         // m; for an ellipse the radius along the entrainment
@@ -326,12 +328,13 @@ double contact_moes_L(const ehd_contact *contact);
  * lubricant and the grid stay the same. */
 void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L);
 
-/* Checks whether the scene leaves an end or the step of the grid to the program. */
+/* Checks whether the scene lacks an end or the step of the grid, so that the program chooses it. */
 bool contact_has_chosen_grid(const ehd_contact *contact);
 
-/* Replaces the grid, for example by the grid of a model, if the scene leaves the grid open and does
- * not contradict the new grid. Both grids must have the same kind, discretisation, boundary and
- * shape. Both must be half grids, or both full grids. Otherwise the contact keeps its grid. */
+/* Replaces the grid, for example by the grid of a model, if contact_has_chosen_grid is true and the
+ * new grid agrees with the ends and the step that the scene gives. Both grids must have the same
+ * kind, discretisation, boundary and shape. Both must be half grids, or both full grids. Otherwise
+ * the contact keeps its grid. */
 void contact_take_grid(ehd_contact *contact, const ehd_grid *grid);
 
 /* Returns EHD_DATA if the given approach of a line contact is measured at a distance below half the

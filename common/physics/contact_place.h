@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes the place of a contact: the coordinates that distinguish contacts of one kind and shape
  * (README.md, Moes numbers). A stationary solution depends on these coordinates alone.
- * Called by guess.c and trained_range.c in romrun, by common/training and by snapgen. */
+ * Called by romrun, by common/training and by snapgen. */
 #ifndef EHD_CONTACT_PLACE_H
 #define EHD_CONTACT_PLACE_H
 
@@ -29,8 +29,8 @@ contact_place contact_place_of_any(const ehd_contact *contact);
 double thinning_coordinate(double sliding);
 
 /* Returns the coordinate for the thinning by the pressure gradient: the logarithm of the larger of
- * `gradient` and 1e-2. In 5 line contacts without sliding a thinning of 1e-2 changes both films by
- * 1.1e-5 at M = 0.3, by 4e-6 at M = 1, and by less from M = 13 on. */
+ * `gradient` and 1e-2. In 5 line contacts without sliding a thinning of 1e-2 changes the central
+ * and the minimum film by 1.1e-5 at M = 0.3, by 4e-6 at M = 1, and by less from M = 13 on. */
 double gradient_coordinate(double gradient);
 
 #endif

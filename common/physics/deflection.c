@@ -17,9 +17,9 @@ enum { LINES = 2 };
 /* Kernel and pressure are real, and the kernel is even in x and y, so the Fourier transform of the
  * kernel is also real. All transforms are FFTW's real-to-complex transforms, which take a third of
  * the time of FFTW's real-to-real transforms. On a half grid the pressure is even in y, and is
- * transformed in y first. The transform of a mirrored column is real, so the same transform is also
- * its inverse. The columns and lines of a half grid are transformed one by one, in a work space
- * that stays in the cache. */
+ * transformed in y first. The transform of a mirrored column is real, so this transform is also its
+ * own inverse, up to a factor. The columns and lines of a half grid are transformed one by one, in
+ * a work space that stays in the cache. */
 struct ehd_deflection {
     ehd_grid grid;
     size_t length, period;  // lengths of the transforms along and across
@@ -35,7 +35,7 @@ struct ehd_deflection {
     // for a half grid only:
     fftw_plan across;   // transform of one column
     team *threads;      // threads that share the transforms; NULL: one thread
-    size_t work_size;   // numbers for one thread
+    size_t work_size;   // numbers in the work space of one thread
     double *work_space; // [team_size, work_size]
 };
 
@@ -133,7 +133,7 @@ typedef struct kernel_task {
     double *signal; // [period, length] periodic and mirrored
 } kernel_task;
 
-/* Evaluates some of the lines of the kernel up to half of the period. */
+/* Evaluates the kernel on one part of the lines 0 … period / 2. */
 static void evaluate_kernel(void *context, const team_part *part) {
     const kernel_task *task = context;
     const ehd_deflection *self = task->of;
@@ -249,7 +249,7 @@ typedef struct across_task {
     size_t num_from, num_to;
 } across_task;
 
-/* Transforms some columns, which are mirrored at the first line and at half of the period. */
+/* Transforms some columns in y. Each column is mirrored at its first line and at period / 2. */
 static void transform_columns(void *context, const team_part *part) {
     const across_task *task = context;
     const ehd_deflection *self = task->of;

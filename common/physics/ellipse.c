@@ -39,9 +39,8 @@ double ellipse_radius_ratio(double ellipticity) {
 }
 
 /* Inverts ellipse_radius_ratio by a fixed-point iteration in logarithms. The derivative d
- * ln(R_y/R_x)/d ln(b/a) is 1.5 at b/a = 1, and below 2 everywhere. Each step adds 0.6 times the
- * remaining difference of ln(R_y/R_x). The error then falls by at least a factor of 5 in each
- * step. */
+ * ln(R_y/R_x)/d ln(b/a) is 1.5 at b/a = 1, and below 2 everywhere. Each iteration adds 0.6 times
+ * the remaining difference of ln(R_y/R_x), and reduces the error by at least a factor of 5. */
 double ellipse_ellipticity(double radius_ratio) {
     const double goal = log(radius_ratio);
     double logarithm = 0.6 * goal;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes the shape of the dry contact, the ellipse of Hertz, by Carlson's integrals (README.md,
  * Elliptical contacts).
- * Called by contact.c, by film_formulas.c, and by the readers of grids. */
+ * Called by contact.c, film_formulas.c, common/output/grid_file.c, common/training and romrun. */
 #ifndef EHD_ELLIPSE_H
 #define EHD_ELLIPSE_H
 
@@ -17,7 +17,7 @@ typedef struct contact_shape {
     double gap_across;  // R_x b^2/(R_y a^2), the factor of Y^2/2 in the gap
     double flow_across; // (a/b)^2, the factor of the flow across
     double cell;        // width in Y over length in X of a grid cell: k^(-1/3)
-    double compliance;  // E' a^3/(w R_x) over its value for a circle, 2 A/pi in README.md
+    double compliance;  // E' a^3/(w R_x), divided by its value for a circle; 2 A/pi in README.md
     far_angle far;      // far field for R_x/R_y
 } contact_shape;
 

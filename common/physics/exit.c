@@ -18,10 +18,10 @@ bool exit_is_within_node(const ehd_grid *grid) {
     return grid->inner_lines == 1 && grid->discretization == DISCRETIZATION_ACCURATE;
 }
 
-/* The cubic through four neighbouring nodes, evaluated at a distance in steps from the second
- * node. */
+/* The cubic through four neighbouring nodes, evaluated at a distance of t grid steps from the
+ * second node. */
 typedef struct cubic {
-    double weight[4], slope[4]; // slope: derivatives of the weights
+    double weight[4], slope[4]; // slope: derivatives of the weights with respect to t
 } cubic;
 
 static cubic cubic_at(double t) {
@@ -32,15 +32,15 @@ static cubic cubic_at(double t) {
 }
 
 /* A number, such as the film at the exit, with its derivatives. The number is stored in
- * row.residual. Its derivatives by the pressures and films of a stencil are stored in the other
- * members of `row`. `by_offset` is its derivative by the distance from the last node before the
- * exit to the exit, in steps. */
+ * row.residual. Its derivatives with respect to the pressures and films of a stencil are stored in
+ * the other members of `row`. `by_offset` is its derivative with respect to the distance, in grid
+ * steps, from the last node before the exit to the exit. */
 typedef struct quantity {
     reynolds_row row;
     double by_offset;
 } quantity;
 
-/* Returns the film at a distance of `share` * `offset` steps behind the node NODE_HERE. */
+/* Returns the film at a distance of `share` * `offset` grid steps downstream of NODE_HERE. */
 static quantity film_behind(double offset, double share, const reynolds_stencil *stencil,
                             const double *film) {
     const cubic interpolation = cubic_at(share * offset);
@@ -126,8 +126,8 @@ void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, dou
     cell->offset_by_flux = 1 / slope;
     cell->flux_residual = cell->offset.residual * slope / step;
 
-    // second equation: int m dP = int U (q - q_exit)/H^3 dx from the node to the exit, by Simpson's
-    // rule
+    // second equation: int mobility dP = int U (q - q_exit)/H^3 dx from the node to the exit, by
+    // Simpson's rule
     const quantity first = rise_over_cube(&mass_here, &at_exit, &film_here);
     const quantity second = rise_over_cube(&between, &at_exit, &film_between);
     const double length = offset * step * entrainment / 6;
@@ -158,14 +158,14 @@ void exit_cell_add_flux(exit_cell *cell, const reynolds_row *flux) {
     }
 }
 
-// ---- the place of the exit within a cell, for solutions with exits at nodes
+// ---- the position of the exit within a cell, for solutions with exits at nodes
 
-/* A value and its derivative by the offset. */
+/* A value and its derivative with respect to the offset. */
 typedef struct flow {
     double value, slope;
 } flow;
 
-/* Returns U rho H at an offset behind HERE, where there is no pressure. */
+/* Returns U rho H at the distance `offset` downstream of HERE, where there is no pressure. */
 static flow carried_at(double offset, double entrainment, const reynolds_stencil *stencil,
                        const reynolds_fluid *fluid, const double *film) {
     const quantity at_exit = film_behind(offset, 1, stencil, film);

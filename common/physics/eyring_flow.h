@@ -18,8 +18,8 @@ typedef struct eyring_gradient {
     double sliding; // C = 3 (Sigma coth Sigma - 1)/Sigma^2, the factor of fast sliding divided by N
 } eyring_gradient;
 
-/* The factor on the mobility of the pressure flow, and the derivatives of its logarithm by ln N and
- * ln Sigma. */
+/* The factor on the mobility of the pressure flow, and the derivatives of its logarithm with
+ * respect to ln N and ln Sigma. */
 typedef struct eyring_factor {
     double value, by_log_rate, by_log_gradient;
 } eyring_factor;
@@ -51,12 +51,12 @@ static inline eyring_gradient eyring_gradient_of(double sigma) {
                              3 * rise / (capped * capped * (1 - decay))};
 }
 
-/* Returns the derivative of ln A by ln Sigma. */
+/* Returns the derivative of ln A with respect to ln Sigma. */
 static inline double eyring_at_rest_slope(const eyring_gradient *of) {
     return of->square < EYRING_LARGEST_GRADIENT * EYRING_LARGEST_GRADIENT ? 3 / of->sliding - 3 : 0;
 }
 
-/* Returns the derivative of ln(C/A) by ln Sigma, -C Sigma^2/3. */
+/* Returns the derivative of ln(C/A) with respect to ln Sigma, which is -C Sigma^2/3. */
 static inline double eyring_sliding_slope(const eyring_gradient *of) {
     return of->square < EYRING_LARGEST_GRADIENT * EYRING_LARGEST_GRADIENT
                ? -of->sliding * of->square / 3
@@ -70,7 +70,7 @@ static inline double eyring_sliding_slope(const eyring_gradient *of) {
  *
  * (T. F. Conry, S. Wang, C. Cusano, ASME J. Tribology 109, 1987). */
 static inline eyring_factor eyring_along(const eyring_gradient *of, double rate) {
-    const double slid = rate * (of->sliding / of->at_rest); // sinh of the stress in the middle
+    const double slid = rate * (of->sliding / of->at_rest); // sinh of eyring_stress
     const double root = slid < 1e8 ? sqrt(1 + slid * slid) : slid;
     const double by_rate = slid / root * (slid / root);
 

@@ -76,8 +76,8 @@ static far_coefficients coefficients_at(double ratio, double chi) {
     return (far_coefficients){9 * sqrt(ratio) / (at.D * at.D), (3 / at.E + 2 / at.D) * at.slope};
 }
 
-/* Returns the derivative, by chi, of the logarithm of the function `driven`, which is proportional
- * to cos(chi) D^(3/2)/E^2. */
+/* Returns the derivative, with respect to chi, of the logarithm of the function `driven`, which is
+ * proportional to cos(chi) D^(3/2)/E^2. */
 static double driven_slope(double ratio, double chi) {
     const far_rises at = rises_at(ratio, chi);
 
@@ -88,7 +88,7 @@ static double driven_slope(double ratio, double chi) {
  * equation holds at the collocation points: chi/LAST is a zero, between 0 and 1, of the Chebyshev
  * polynomial of the highest order. */
 static void solve_growth(double term[FAR_TERMS], double ratio) {
-    // the matrix is stored by columns; its last column is the right side
+    // the matrix is stored by columns; its last column is the right-hand side
     double matrix[(FAR_TERMS + 1) * FAR_TERMS] = {0}, work[FAR_TERMS];
 
     for (int i = 0; i < FAR_TERMS - 1; i++) {

@@ -37,7 +37,7 @@ double far_angle_rise(const far_angle *self, double phi);
 /* Returns the angle chi with tan(chi) = ratio^(1/4) tan(phi), in which S is smooth for any ratio.
  * For a circle chi is phi. */
 double far_angle_stretched(const far_angle *self, double phi);
-/* Returns phi for an angle chi, and in *slope the derivative of phi by chi. */
+/* Returns phi for an angle chi, and in *slope the derivative of phi with respect to chi. */
 double far_angle_direction(const far_angle *self, double chi, double *slope);
 
 #endif

@@ -22,8 +22,8 @@ static far_place place_at(const contact_shape *shape, double upstream, double y)
     return (far_place){hypot(upstream, across), 1 / far_angle_rise(&shape->far, phi), phi};
 }
 
-/* Returns the film divided by q r^2/2, and the derivative of this ratio by the rigid approach.
- * `inverse` is 1/r. The deflection is (2/(pi^2 compliance)) (2 pi/3)/r. */
+/* Returns the film divided by q r^2/2, and the derivative of this ratio with respect to the rigid
+ * approach. `inverse` is 1/r. The deflection is (2/(pi^2 compliance)) (2 pi/3)/r. */
 static far_value film_ratio(double rigid_approach, double inverse, double per_rise,
                             const contact_shape *shape) {
     const double square = inverse * inverse * per_rise;
@@ -39,7 +39,7 @@ double far_field_film(const contact_shape *shape, double rigid_approach, double 
            film_ratio(rigid_approach, 1 / at.distance, at.per_rise, shape).value;
 }
 
-/* Returns factor/film^2 and its derivative by the rigid approach. */
+/* Returns factor/film^2 and its derivative with respect to the rigid approach. */
 static far_value over_square(double factor, far_value film) {
     const double value = factor / (film.value * film.value);
 
@@ -71,8 +71,9 @@ far_value far_field_pressure(const ehd_contact *contact, double rigid_approach, 
 
 _Static_assert(FAR_RAYS == 4 * GAUSS_4, "Gauss' rule in each of four parts");
 
-/* Distances from the centre to the ends of the inner nodes' cells, half a step beyond the nodes:
- * upstream, downstream and to the side. Unit: half widths along the entrainment. */
+/* Distances from the centre to the edges of the region of inner cells, half a grid step beyond the
+ * outermost inner nodes: upstream, downstream and to the side. Unit: half widths along the
+ * entrainment. */
 typedef struct inner_ends {
     double upstream, downstream, beside;
 } inner_ends;
@@ -213,7 +214,7 @@ double far_field_rolling_error(const ehd_contact *contact, double rigid_approach
     return fabs(sum) * 2 * contact->lambda * fabs(contact->entrainment) / shape->ellipticity;
 }
 
-// ---- prepared for many states
+// ---- far field prepared for many states
 
 bool far_field_is_at(const ehd_grid *grid, size_t node) {
     const size_t width = grid_width(grid), column = node % width;

@@ -11,7 +11,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* A quantity of the far field and its derivative by the rigid approach. */
+/* A quantity of the far field and its derivative with respect to the rigid approach. */
 typedef struct far_value {
     double value, by_approach;
 } far_value;
@@ -40,15 +40,16 @@ far_value far_field_load(const ehd_contact *contact, double rigid_approach);
  * the grid has no far field. */
 traction_sums far_field_traction(const ehd_contact *contact, double rigid_approach);
 
-/* Returns an error estimate for the rolling in far_field_traction. The pressure is a truncated
- * series, and the estimate is the contribution of its last term, the deflection. The integrand is
- * evaluated at the end of the grid and taken as constant up to e times that distance. */
+/* Returns an error estimate for the rolling integral of far_field_traction. The pressure is a
+ * truncated series, and the estimate is the contribution of its last term, the deflection. The
+ * integrand is evaluated at the end of the grid and taken as constant up to e times that
+ * distance. */
 double far_field_rolling_error(const ehd_contact *contact, double rigid_approach);
 
 /* Checks whether a node of a grid with several lines is a boundary node. */
 bool far_field_is_at(const ehd_grid *grid, size_t node);
 
-// ---- prepared for many states on a grid
+// ---- far field prepared for many states on one grid
 
 /* Number of rays along which the far field is integrated. The rays are the points of Gauss' rule in
  * four ranges of the stretched angle. The ranges meet at the corners of the grid and at pi/2. */

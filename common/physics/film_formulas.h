@@ -33,7 +33,7 @@ typedef struct film_leakage {
  * leakage. */
 struct film_formula {
     const char *name;
-    const char *source; // authors, year, place
+    const char *source; // authors, publication and year
     int dimensions;     // dimensions of the contact: 1 for a line, 2 for a point
     bool of_minimum;    // true: formula of the minimum film; false: of the central film
     double factor, speed_power, material_power, load_power;
@@ -61,10 +61,10 @@ double film_nijenbanning(double moes_M, double moes_L);
  * result of film_nijenbanning_ellipse, converted from Moes units. */
 double film_central(const ehd_contact *contact);
 
-/* Returns these numbers for the present state of a contact. Most formulas depend only on M and
- * alpha p_H, as the film itself does (optimum similarity). The formulas of Pan and Hamrock, of
- * Hamrock and Dowson and of Chittenden et al. also depend on E', by 1 % or less if E' changes by 20
- * %. Only a physical scene has E'; otherwise steel on steel is assumed. */
+/* Returns the numbers for the film formulas, from the present state of a contact. Most formulas
+ * depend only on M and alpha p_H, as the film itself does (optimum similarity). The formulas of Pan
+ * and Hamrock, of Hamrock and Dowson and of Chittenden et al. also depend on E', by 1 % or less if
+ * E' changes by 20 %. Only a physical scene has E'; otherwise steel on steel is assumed. */
 film_numbers film_numbers_of(const ehd_contact *contact);
 
 #endif

@@ -12,7 +12,7 @@ typedef struct grid_rule {
                          // step
     double thick;        // largest step over sqrt(2 H) up to which the step is doubled for thick
                          // films
-    double around;       // largest step over sqrt(2 H)
+    double around;       // largest step over sqrt(2 H), unless this step is below FINEST_AROUND
     double steps;        // largest step over the width of the inlet, H^(2/3)
     double inlet_effect; // largest effect of the missing inlet on the central film
     double load_effect;  // largest effect of the load beyond the domain on the central film
@@ -191,9 +191,9 @@ static double whole_steps(double length, double step) {
     return ceil(length / step - 1e-6);
 }
 
-/* Returns x_max in whole steps. The exit lies before x_max by at least a fourth of x_max. Behind a
- * rigid parabola the exit lies at 0.475 sqrt(2 H) (lines). Beside a point contact the exit follows
- * the exit ray of the far field. */
+/* Returns x_max, rounded up to a whole number of steps. The distance from the exit to x_max is at
+ * least a fourth of x_max. Behind a rigid parabola the exit lies at 0.475 sqrt(2 H) (lines). Beside
+ * a point contact the exit follows the exit ray of the far field. */
 static double end_needed(const contact_shape *shape, double film, double y_max, double step) {
     const double thick = 0.475 * sqrt(2 * film);
     const double beside = isnan(y_max) ? 0 : shape->ellipticity * y_max / -tan(shape->far.exit);
@@ -278,7 +278,7 @@ void grid_extent_join(grid_extent *self, const grid_extent *other) {
     self->x_min = fmin(self->x_min, other->x_min);
     self->x_max = fmax(self->x_max, other->x_max);
     self->step = fmin(self->step, other->step);
-    self->y_max = fmax(self->y_max, other->y_max); // NaN if both y_max are
+    self->y_max = fmax(self->y_max, other->y_max); // NaN if both values are NaN
 }
 
 ehd_grid grid_choose(const grid_extent *given, const grid_extent *needed, const ehd_grid *like) {

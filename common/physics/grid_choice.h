@@ -15,8 +15,8 @@ grid_extent grid_extent_needed(const ehd_contact *contact);
  * inlet is not longer than the inlet of grid_extent_needed. */
 grid_extent grid_extent_within(const ehd_contact *contact, double effect);
 
-/* Estimates the relative error of the central film of a stationary contact with this M if its inlet
- * is `length` long (README.md, default grid). INFINITY: the grid begins within the dry contact. The
+/* Estimates the relative error of the central film if the inlet is `length` long and the contact
+ * is stationary (README.md, default grid). INFINITY: the grid begins within the dry contact. The
  * estimate is larger than the error: 1.1 to 5 times for lines, 1.4 to 20 times for points with an
  * open boundary. */
 double grid_inlet_effect(const ehd_contact *contact, double length);

@@ -3,11 +3,11 @@
 
 #include <math.h>
 
-/* Largest load term with which the formula is used. The sources of the formula give no range. The
- * factor was compared in pure rolling, for p_H/E' from 0.001 to 0.01, with the factor of Murch and
- * Wilson (1975), which does not depend on the load. With load terms up to 0.25 the factor is 0.78
- * to 1.07 times their factor (test_inlet_heating.c, others_found_about_the_same). With a load term
- * of 0.5 it is half of their factor. */
+/* Largest load term, 13.2 (p_H/E') loading^0.42, with which the formula is used. The sources of the
+ * formula give no range. The factor was compared in pure rolling, for p_H/E' from 0.001 to 0.01,
+ * with the factor of Murch and Wilson (1975), which does not depend on the load. With load terms up
+ * to 0.25 the factor is 0.78 to 1.07 times their factor (test_inlet_heating.c,
+ * others_found_about_the_same). With a load term of 0.5 it is half of their factor. */
 static const double MAX_LOAD_TERM = 0.25;
 
 /* Bounds of |S|. At 2, simple sliding, one surface is at rest. Above 2 the surfaces move in

@@ -21,8 +21,8 @@ inlet_heating inlet_heating_of(const ehd_contact *contact);
 
 /* Returns the factor of Zhu and Cheng, as printed by Zhou and Hoeprich, J. Tribology 113, 1991, eq.
  * 21, and Arana et al., Proc. IMechE J 233, 2019, eq. 24; used by Gupta et al., J. Tribology 114,
- * 1992. The range of use is a slide-roll ratio of at most 2 (one surface at rest) and a load term
- * of at most a quarter. Outside of this range the result is NaN. */
+ * 1992. The range of use is a slide-roll ratio of at most 2 (one surface at rest) and a load term,
+ * 13.2 (p_H/E') loading^0.42, of at most a quarter. Outside of this range the result is NaN. */
 double inlet_heating_factor(double loading,     // dimensionless, eta0 beta u^2/k, u the mean speed
                             double ratio,       // p_H/E'
                             double slide_roll); // (u1 - u2)/u, of either sign

@@ -16,7 +16,7 @@
 enum {
     LAW_WORD = 24,           // bytes of a law's name or of a parameter that is a word
     MAX_LAW_PARAMETERS = 16, // largest number of parameters of one law; more do not compile
-    MAX_LAW_KEYS = 32,       // number of keys in one table; lubricant_init refuses later ones
+    MAX_LAW_KEYS = 32,       // number of keys in one table; lubricant_init refuses later keys
     MAX_LAW_CONSTANTS = 16
 };
 
@@ -151,15 +151,15 @@ double lubricant_density(const ehd_lubricant *lubricant, double pressure);
 double lubricant_viscous_stress(const ehd_lubricant *lubricant, double hertz_pressure, // Pa
                                 double isoviscous, double pressure);
 
-/* Returns the shear stress over the Hertz pressure at a dimensionless pressure p / p_H (README.md,
- * traction). `isoviscous` is the Newtonian stress over the Hertz pressure with the viscosity at
- * zero pressure, of either sign. */
+/* Returns the shear stress, divided by the Hertz pressure, at a dimensionless pressure p / p_H
+ * (README.md, traction). `isoviscous` is the Newtonian stress for the viscosity at zero pressure,
+ * divided by the Hertz pressure, of either sign. */
 double lubricant_shear_stress(const ehd_lubricant *lubricant, double hertz_pressure, // Pa
                               double isoviscous, double pressure);
 
-/* Rises from zero pressure to a given pressure: ln(eta/eta(0)) of the viscosity, ln(rho/rho(0)) of
- * the density, and ln(eta/eta(0)) at half of the pressure. NaN: the rise is not known. At the Hertz
- * pressure these rises distinguish lubricants with the same alpha p_H. */
+/* Rises of viscosity and density from zero pressure to a given pressure: ln(eta/eta(0)),
+ * ln(rho/rho(0)), and ln(eta/eta(0)) at half of the pressure. NaN: the rise is not known. At the
+ * Hertz pressure these rises distinguish lubricants with the same alpha p_H. */
 enum { RISE_VISCOSITY, RISE_DENSITY, RISE_VISCOSITY_HALF, NUM_RISES };
 typedef struct lubricant_rises {
     double of[NUM_RISES];
@@ -170,15 +170,15 @@ lubricant_rises lubricant_rises_at(const ehd_lubricant *lubricant, double pressu
 double lubricant_rise_at(const ehd_lubricant *lubricant, int rise, double pressure);
 lubricant_rises lubricant_rises_unknown(void);
 
-/* Names of the datasets with these rises. The three arrays are for snapshots, for the states of
- * bases and models, and for the calibration of a model. */
+/* Names of the datasets that hold lubricant_rises: of snapshots, of the states of bases and models,
+ * and of the scenes on which a model was calibrated. */
 extern const char *const lubricant_rise_names[NUM_RISES];
 extern const char *const lubricant_rise_state_names[NUM_RISES];
 extern const char *const lubricant_rise_shown_names[NUM_RISES];
 
 /* Evaluates ln(eta/eta(0)) and relative density at num_nodes dimensionless pressures p / p_H, and
- * their derivatives by the dimensionless pressure. Negative pressures are taken as zero, and
- * pressures above the limit of the law as the limit. */
+ * their derivatives with respect to the dimensionless pressure. Negative pressures are taken as
+ * zero, and pressures above the limit of the law as the limit. */
 void lubricant_evaluate(
     // output:
     double *log_viscosity, double *log_viscosity_derivative, // [num_nodes]

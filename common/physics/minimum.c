@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-/* Returns the minimum, near the middle, of the quartic through five values at a distance of one.
- * NaN: there is no minimum within the five places. */
+/* Returns the minimum, near the middle, of the quartic through five values at the places -2 … 2.
+ * NaN: there is no minimum between these places. */
 static double minimum_of_five(const double *value) {
     // Taylor coefficients at the middle value
     const double first = (value[0] - 8 * value[1] + 8 * value[3] - value[4]) / 12;

@@ -246,8 +246,8 @@ static void add_published_flux(reynolds_row *flux, double step, double entrainme
 typedef struct mobility {
     double value, slope, logarithm, pressure;
     double density, density_slope; // for a thinned flow
-    // for a thinned flow: derivatives of ln mobility by the film and by the logarithm of the
-    // gradient
+    // for a thinned flow: derivatives of ln mobility with respect to the film and to the logarithm
+    // of the gradient
     double log_by_film, log_by_gradient;
 } mobility;
 
@@ -334,8 +334,8 @@ static inline reynolds_link link_with_middle(const mobility *before, const mobil
     const reynolds_link whole = logarithmic_link(before, after, falls.whole, thinned);
     const reynolds_link first = logarithmic_link(before, middle, falls.first, thinned);
     const reynolds_link second = logarithmic_link(middle, after, falls.second, thinned);
-    // part of the derivative by the pressure at either end that comes from the pressure in the
-    // middle
+    // contribution of the pressure in the middle to the derivative with respect to the pressure at
+    // either node
     const double by_middle = (first.by_after + second.by_before) / 2;
 
     return (reynolds_link){
@@ -438,8 +438,9 @@ static double film_at_half(const int of[NUM_HALF], const double weights[NUM_HALF
     return film;
 }
 
-/* Returns the weights of rho H at a half node: the weights of the cubic through three nodes before
- * the half node and one behind it, of the parabola near the inlet, and of the mean at the inlet. */
+/* Returns the weights of rho H at a half node: the weights of the cubic through three nodes
+ * upstream and one node downstream of the half node. Near the inlet end of the grid, where upstream
+ * nodes are missing, they are the weights of a parabola or of the mean. */
 static const double *mass_weights(const int of[NUM_HALF], const row_nodes *at) {
     static const double inside[NUM_HALF] = {1. / 16, -5. / 16, 15. / 16, 5. / 16, 0};
     static const double near[NUM_HALF] = {0, -1. / 8, 6. / 8, 3. / 8, 0};
@@ -486,11 +487,11 @@ static half_flux flux_along(const int of[NUM_HALF], double step, double entrainm
     }
     const double over_a = masses[HALF_BEFORE].value - here.value;
     const double over_b = masses[HALF_AFTER].value - here.value;
-    // change = flow * (sum of 1/H^3) + rise; flow includes the factor step
+    // change = flow / over_sum + rise (over_a / H_a^3 + over_b / H_b^3), where `flow` is step * g
     const double over_sum = 6 / (cube_a + 4 * cube + cube_b);
     const double rise = step * entrainment / 6;
     const double flow = (change.value - rise * (over_a * cube_a + over_b * cube_b)) * over_sum;
-    // derivatives of the flow by rho H at the half node, and at the two nodes
+    // derivatives of the flow with respect to rho H at the half node, and at the two nodes
     const double by_here = rise * (cube_a + cube_b) * over_sum;
     const double by_mass_a = -rise * cube_a * over_sum, by_mass_b = -rise * cube_b * over_sum;
 
@@ -624,7 +625,7 @@ static void add_net(reynolds_row *row, const weighted_net *net) {
 }
 
 /* Adds scale times the pressure flow g through a half node to the row and to the weights of the net
- * flows at both ends. The flow follows from
+ * flows at the two nodes beside it. The flow follows from
  *
  *     int g/H^3 = flow_scale * change        g' = -sign * net
  *
@@ -784,7 +785,7 @@ static nodal_flow thinned_flow_at(const mobility *own, const row_nodes *at, int 
     const size_t *node = at->stencil->node;
     const double film = at->film[node[NODE_HERE]], to_side = at->fluid->gradient_across;
     const double drop = (at->pressure[node[after]] - at->pressure[node[before]]) / 2;
-    const double change = fabs(drop) * (along ? 1 : to_side); // over the step along
+    const double change = fabs(drop) * (along ? 1 : to_side); // over one grid step along
     const eyring_gradient gradient =
         eyring_gradient_of(at->fluid->gradient_thinning * film * change);
     mobility found = *own;

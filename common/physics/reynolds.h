@@ -2,9 +2,9 @@
 /* Computes the discrete Reynolds operator, for any list of rows.
  *
  * A row is the residual of d/dx(eps dP/dx) + d/dy(eps dP/dy) = U d(rho H)/dx + d(rho H)/dT at a
- * node (eq. 7 of Maier et al. 2015 without the multiplier of cavitation) and its derivatives by
- * pressure and film at the nodes of its stencil. Each solver chooses the rows, and relates P and H
- * to its own unknowns.
+ * node (eq. 7 of Maier et al. 2015 without the multiplier of cavitation) and its derivatives with
+ * respect to pressure and film at the nodes of its stencil. Each solver chooses the rows, and
+ * relates P and H to its own unknowns.
  * Called by fullrun/full_solver.c and romrun/solve/row_system.c in each iteration, by
  * romrun/solve/exit_search.c, and by romrun/trust. */
 #ifndef EHD_REYNOLDS_H
@@ -13,8 +13,8 @@
 #include "common/physics/contact.h"
 #include <stddef.h>
 
-/* Nodes of a row's stencil, named along the direction of entrainment. Only point contacts and
- * ellipses have nodes across this direction. The published discretisation does not use BACK3,
+/* Nodes of a row's stencil. BACK lies upstream of HERE, and AHEAD downstream. Only point contacts
+ * and ellipses have nodes across the entrainment. The published discretisation does not use BACK3,
  * AHEAD2, LEFT2 and RIGHT2. Only the discretisation with cross fluxes uses the last four nodes,
  * which lie to the left and right of BACK and AHEAD. */
 enum {
@@ -51,14 +51,14 @@ typedef struct reynolds_row {
 /* Fluid properties at a list of nodes. Arrays [num_nodes]. */
 typedef struct reynolds_fluid {
     double *mobility;       // rho/(eta lambda), so that eps = mobility H^3
-    double *mobility_slope; // derivative by the dimensionless pressure
+    double *mobility_slope; // derivative with respect to the dimensionless pressure
     double *log_mobility;   // ln mobility up to a constant; NULL in the published discretisation
     double *density;        // NULL when incompressible
     double *density_slope;
     // contact whose viscosity law is also evaluated half way between two nodes; NULL: the mean of
     // both nodes is enough
     const ehd_contact *between;
-    const ehd_contact *thinned; // contact whose flow an Eyring fluid thins; NULL: not thinned
+    const ehd_contact *thinned; // contact with a thinned flow (README.md); NULL: not thinned
     // rate N of the Eyring fluid (eyring_flow.h) at H = 1 and rho / mobility = 1
     double thinning;
     // gradient Sigma along the entrainment, at H = 1 and a pressure difference of 1 between two
@@ -78,7 +78,7 @@ reynolds_fluid reynolds_fluid_from(const reynolds_fluid *fluid, size_t first_nod
 
 /* The BDF time derivative of rho H at the nodes of the rows: rate * rho H + previous. */
 typedef struct reynolds_squeeze {
-    double rate; // 1 / dimensionless time
+    double rate; // unit: 1 / dimensionless time
     // [num_rows] weighted sum of rho H at previous time levels, in the current scales of the
     // contact
     const double *previous;
@@ -90,8 +90,8 @@ static inline int reynolds_stencil_size(const ehd_grid *grid) {
     return grid->discretization == DISCRETIZATION_CROSS_FLUX ? NUM_STENCIL : NUM_CROSS_STENCIL;
 }
 
-/* Return how many nodes a stencil extends back along the entrainment, and how many it extends ahead
- * and across. */
+/* Return how many nodes a stencil extends upstream, and how many it extends downstream and
+ * across. */
 size_t reynolds_reach_back(const ehd_grid *grid);
 size_t reynolds_reach_ahead(const ehd_grid *grid);
 
@@ -151,10 +151,10 @@ reynolds_row reynolds_flux(const ehd_grid *grid, double entrainment,
  * Gummel, IEEE Trans. Electron Devices 16, 1969). Otherwise the mobility half way between the nodes
  * is used too, and the change is of fourth order in the pressure difference. */
 typedef struct reynolds_link {
-    double value, by_before, by_after; // derivatives by the pressures
-    // derivatives for a thinned flow, otherwise 0: by the film at the half node, and by the
-    // logarithm of the gradient between the nodes. In a finished link, by_before and by_after
-    // already include the effect of the gradient
+    double value, by_before, by_after; // derivatives with respect to the pressures at both nodes
+    // derivatives for a thinned flow, otherwise 0: with respect to the film at the half node, and
+    // to the logarithm of the gradient between the nodes. In a finished link, by_before and
+    // by_after already include the effect of the gradient
     double by_film, by_gradient;
 } reynolds_link;
 

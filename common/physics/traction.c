@@ -106,7 +106,7 @@ static traction_sums beyond_line(const ehd_contact *contact, const contact_scala
     const bool backwards = contact->entrainment < 0;
     const double first = fabs(grid_x(grid, backwards ? grid_width(grid) - 1 : 0));
     const double speed = contact->lambda * contact->entrainment;
-    // the sum over the inner nodes begins half a step behind the boundary node
+    // the sum over the inner nodes begins half a grid step downstream of the boundary node
     traction_sums sums = {
         .friction =
             grid->step / 2 * contact_shear_stress(contact, 0, film_before_line(scalars, first), 0)};
@@ -163,8 +163,8 @@ contact_traction contact_traction_of(const ehd_contact *contact, const double *p
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
         const double weight = grid_weight(grid, k), in_dry = weight * grid_dry_share(grid, k);
-        // integral from the previous node to this node; at the end of the line also to the next
-        // node
+        // integral from the previous node to this node; at the last inner node of a line also from
+        // this node to the next node
         rolling += weight * (film[k - 1] + film[k]) / 2 * (pressure[k] - pressure[k - 1]);
         if (r % grid->inner_x == grid->inner_x - 1)
             rolling += weight * (film[k] + film[k + 1]) / 2 * (pressure[k + 1] - pressure[k]);

@@ -18,8 +18,8 @@ typedef struct contact_traction {
     double coefficient;        // friction over the load
     double friction;           // int tau dA: force on surface 2 along X, and on surface 1 against X
     double rolling_resistance; // 1/2 int h dp/dx dA: force on either surface, against X
-    double rolling_moment;     // -int p x dA over a: moment of the pressure, which opposes the
-                               // rolling
+    double rolling_moment;     // -int p x dA, divided by a: moment of the pressure, which opposes
+                               // the rolling
     double power;              // power input of both surfaces, divided by the product of the load
                                // and the speed at far_speed = 1
     double mean_stress;        // mean of |tau| over the dry contact
@@ -68,7 +68,7 @@ typedef struct traction_sums {
     double mean_stress, largest_stress; // as in contact_traction
 } traction_sums;
 contact_traction contact_traction_from(const ehd_contact *contact, const traction_sums *sums,
-                                       double load); // over the reference load
+                                       double load); // divided by the reference load
 
 /* Returns the parts of friction and rolling beyond the grid. For a line contact they are integrals
  * from the grid to minus infinity. For a point contact or an ellipse they are the result of

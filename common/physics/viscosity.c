@@ -24,8 +24,8 @@ static ehd_status check_alpha(double alpha, ehd_error *error) {
 }
 
 /* Parameters of Barus and of Roelands, in this order. If a temperature is given, eta0, alpha and
- * the coefficient hold at the reference temperature. Otherwise they hold at the temperature of the
- * lubricant, which the scene does not give. */
+ * the temperature coefficient hold at the reference temperature. Otherwise they hold at the
+ * temperature of the lubricant, which the scene does not give. */
 enum { OIL_ALPHA, OIL_ETA0, OIL_TEMPERATURE, OIL_REFERENCE, OIL_COEFFICIENT };
 
 #define ETA0(need)                                                                                 \
@@ -61,8 +61,8 @@ static ehd_status lacks_with_temperature(const char *key, ehd_error *error) {
                     key);
 }
 
-/* Checks that a temperature is given together with a reference temperature, a coefficient and eta0.
- * A reference temperature may be given only together with a temperature. */
+/* Checks that a temperature is given together with a reference temperature, a temperature
+ * coefficient and eta0. A reference temperature may be given only together with a temperature. */
 static ehd_status check_temperature(const law_value *values, ehd_error *error) {
     const bool reference = !isnan(values[OIL_REFERENCE].number);
 
@@ -127,7 +127,7 @@ const lubricant_law viscosity_barus = {.name = "barus",
 static const double ROELANDS_PRESSURE = 1.96e8; // Pa
 static const double ROELANDS_TEMPERATURE = 138; // K
 static const double ICE_POINT = 273.15;         // K
-enum { ROELANDS_RATIO, ROELANDS_EXPONENT };     // constants
+enum { ROELANDS_RATIO, ROELANDS_EXPONENT };     // indices of the constants
 
 static double roelands(const ehd_lubricant *self, double pressure, double *derivative) {
     double z = self->viscosity_constants[ROELANDS_EXPONENT];
@@ -139,7 +139,7 @@ static double roelands(const ehd_lubricant *self, double pressure, double *deriv
     return ratio * (power - 1);
 }
 
-/* Changes ln eta0 + 9.67 from its value at the reference temperature to its value at the
+/* Changes ln eta0 + 9.67 from its value at the reference temperature to its value at the given
  * temperature. The exponent z of the pressure stays the same. alpha is proportional to (ln eta0 +
  * 9.67) z, so alpha changes by the same factor. */
 static void roelands_set_temperature(ehd_lubricant *self, const law_value *values) {
@@ -216,7 +216,7 @@ static const struct {
 static const char wlf_choices[] = "no1|no2|no3";
 enum { NUM_PRESETS = sizeof wlf_presets / sizeof *wlf_presets };
 
-/* Returns y = (T0 - Tg) D and its derivative by the pressure in Pa. */
+/* Returns y = (T0 - Tg) D and its derivative with respect to the pressure in Pa. */
 static double wlf_shift(const double *constants, double pressure, double *derivative) {
     double giga = pressure * 1e-9, mega = pressure * 1e-6;
     double tg = constants[WLF_TG0] + constants[WLF_A1] * log1p(constants[WLF_A2] * giga);

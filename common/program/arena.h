@@ -18,7 +18,7 @@ void *array_resize(void *array, size_t rows, size_t columns, size_t size);
 
 typedef struct arena_block arena_block;
 
-/* Must be zero before its first use. */
+/* An arena must be zero before its first use. */
 typedef struct arena {
     arena_block *last;
     bool failed; // memory for an array was refused since the arena was last zero

@@ -73,10 +73,10 @@ static void check_room_while_loaded(void) {
 
 /* Replaces the C library's getenv in the programs. Two variables of OpenBLAS differ:
  * - OPENBLAS_NUM_THREADS is 1, whatever the user has set. The programs' own threads are enough.
- *   More threads only slow down work on small matrices. If memory is limited, these threads wait
- *   for memory without end. Debian's OpenBLAS without threads is no alternative: it has no lock
- *   around its work space. Of 2 million small products in each of four threads, one product in 200
- *   was wrong.
+ *   More threads only slow down work on small matrices. If memory is limited, the threads of
+ *   OpenBLAS wait for memory without end. Debian's OpenBLAS without threads is no alternative: it
+ *   has no lock around its work space. Of 2 million products of small matrices in each of four
+ *   threads, one product in 200 was wrong.
  * - OPENBLAS_CORETYPE is Haswell if the user has set none and the processor has AVX2. OpenBLAS
  *   0.3.21 treats an Intel processor that is newer than this version like a Prescott of 2004, and
  *   then runs at a quarter of the speed. The environment itself does not change, so that programs

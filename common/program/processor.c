@@ -8,7 +8,7 @@
     "any)"
 
 /* Checks the extensions that compilers use most. A processor with these extensions also has all
- * others of its level. */
+ * other extensions of its x86-64 level. */
 ON_ANY_PROCESSOR const char *processor_refusal(void) {
 #ifdef __x86_64__
     __builtin_cpu_init();

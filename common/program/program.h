@@ -129,9 +129,9 @@ void program_warn(const program *program, const char *format, ...)
 
 /* Shows the progress of long work: "name: 37/120 M=12 L=7, 4 s left". In a pipeline "; stage 1 of
  * 5, about 9 s in all" follows, without the time if it is not known (stage.h). The time left is the
- * number of items left times the mean time of an item, and at least the wait since the last item.
- * On a terminal, one line is rewritten in place. Elsewhere a new line is printed at most every two
- * seconds, and at the end. Nothing is shown with --quiet. */
+ * number of items left times the mean time of an item, and at least the time since the last item
+ * was done. On a terminal, one line is rewritten in place. Elsewhere a new line is printed at most
+ * every two seconds, and at the end. Nothing is shown with --quiet. */
 typedef struct progress {
     const program *program;
     size_t total;
@@ -156,13 +156,13 @@ bool program_interrupted(void);
  * of the process, whichever is lower. Returns infinity if neither is known. */
 double program_memory(void);
 /* Checks that program_memory is at least `bytes`; call it before the memory is taken. EHD_MEMORY:
- * less memory is available. The message gives both numbers, and says that `count` `things` of
- * `part` of `object` take the memory, followed by `with`, which is " with --jobs 4" or "". */
+ * less memory is available. The message is "OBJECT: PART: found COUNT THINGS, which take about 900
+ * MB WITH, expected at most 500 MB, which are free". `with` is " with --jobs 4" or "". */
 ehd_status program_check_memory(const char *object, const char *part, size_t count,
                                 const char *things, const char *with, double bytes,
                                 ehd_error *error);
 
-/* Returns monotonic seconds. */
+/* Returns the time of the monotonic clock in seconds. */
 double program_seconds(void);
 
 /* Returns the processor time of the calling thread in seconds. Unlike program_seconds, it does not

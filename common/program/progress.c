@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
-// s between two lines; longer in a log file, to keep the file short
+// seconds between two lines of progress; more in a log file, to keep the file short
 static const double terminal_pause = 0.1, file_pause = 2.0;
 
 void progress_start(progress *self, const program *owner, size_t total) {

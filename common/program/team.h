@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Shares one piece of work, such as a loop over the nodes of a grid, between threads.
  *
- * The list is cut into parts that depend on its length alone. Any free thread does the next part.
- * The results of the parts, and sums over the parts in their order, therefore have the same bits
- * with any number of threads. */
+ * The work is a list of elements that is cut into parts. The parts do not depend on the number of
+ * threads. Any free thread does the next part. The results of the parts, and sums over the parts in
+ * their order, therefore have the same bits with any number of threads. */
 #ifndef EHD_TEAM_H
 #define EHD_TEAM_H
 
@@ -21,7 +21,7 @@ typedef struct team_part {
 typedef void team_task(void *context, const team_part *part);
 
 /* Creates a team of `num_members` threads, of which the caller is one. The team is smaller if no
- * more threads can be created. Returns NULL if one member is enough or there is no memory. If a
+ * more threads can be created. Returns NULL if num_members is at most 1 or there is no memory. If a
  * function gets NULL as the team, the caller alone does the work. Waiting threads take no processor
  * time. */
 team *team_create(size_t num_members);

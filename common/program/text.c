@@ -70,7 +70,7 @@ static bool is_printable(const char *text, size_t length) {
 void text_make_printable(char *text, const char *kept) {
     char *to = text;
     for (size_t length; *text; text += length) {
-        if (*text >= ' ' && *text < 0x7F) { // fast path: each time step may have an error
+        if (*text >= ' ' && *text < 0x7F) { // fast path: each time step may report an error
             length = 1;
             *to++ = *text;
             continue;

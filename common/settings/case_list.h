@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads variants of one scene from a table. The table has a column for each setting that varies and
- * a row for each variant. It is read row by row, so that memory does not grow with the number of
- * rows. */
+/* Reads variants of one scene (cases) from a table. The table has a column for each setting that
+ * varies and a row for each variant. It is read row by row, so that memory does not grow with the
+ * number of rows. */
 #ifndef EHD_CASE_LIST_H
 #define EHD_CASE_LIST_H
 
@@ -55,8 +55,8 @@ size_t case_list_num_columns(const case_list *list);
  * key even if the table has a short key. The column of names has the key "name". */
 const char *case_list_key(const case_list *list, size_t column);
 
-/* Returns the settings of the scene that are given outside of the table, as text. The caller frees
- * the text with free(). Returns NULL if there is no memory. */
+/* Returns the settings of the scene that do not come from the table, as text. The caller frees the
+ * text with free(). Returns NULL if there is no memory. */
 char *case_list_settings(const case_list *list);
 
 void case_list_free(case_list *list);

@@ -49,7 +49,7 @@ ehd_status csv_open_rows(csv_file *self, const char *path, ehd_error *error);
 
 void csv_close(csv_file *self);
 
-/* Returns an upper bound on the number of rows left, after csv_open. */
+/* Returns an upper bound on the number of unread rows of a file that csv_open has opened. */
 size_t csv_count_rows(const csv_file *self);
 
 /* Reads the next row into `fields`. *found is false after the last row. Returns EHD_DATA if the

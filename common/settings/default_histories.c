@@ -15,22 +15,22 @@ static const char *const kind_names[] = {"sine", "ramp", "step"};
 enum { SINE, RAMP, STEP, NUM_KINDS };
 enum { MOST_VARYING = 2 };
 
-/* One history between the bounds. `first` and `second` are period and phase of a sine, start and
- * duration of a ramp, or the time of a step. */
+/* How one quantity varies between its bounds. `first` and `second` are the period and the phase of
+ * a sine, or the start and the duration of a ramp. For a step, `first` is its time. */
 typedef struct shape {
     int kind;
     bool down; // from the upper bound to the lower one
     double first, second;
 } shape;
 
-/* The histories of one quantity, or of a pair of quantities. */
+/* The history of the one quantity, or of each of the two quantities, that a trajectory varies. */
 typedef struct trajectory_shape {
     size_t num_varying;
     shape of[MOST_VARYING];
 } trajectory_shape;
 
-/* The trajectories of each quantity and of each pair. schemas/plan.md, Histories, has the errors
- * that were measured with these trajectories. */
+/* The trajectories of each quantity and of each pair of quantities. schemas/plan.md, Histories, has
+ * the errors that were measured with these trajectories. */
 static const trajectory_shape shapes[] = {
     {1, {{SINE, false, 0.8, 0}}},
     {1, {{SINE, false, 1.4, 1.6}}},
@@ -121,7 +121,7 @@ ehd_status default_histories_read(default_histories *self, const tree_node *node
 
 // ---- the trajectories
 
-/* One trajectory: its shape, and the indices of its quantities. */
+/* One trajectory: its shape, and the indices of its quantities in default_histories. */
 typedef struct choice {
     const trajectory_shape *shape;
     size_t quantity[MOST_VARYING];
@@ -202,7 +202,8 @@ static ehd_status clear(scene_source *source, place where, ehd_error *error) {
     scene_defaults(&none);
     memcpy(source->values.transient.vary, none.transient.vary, sizeof none.transient.vary);
     for (const setting *row = scene_settings(); row->key; row++) {
-        // the name has a dot for a key of a history, and none for a key of the run such as end_time
+        // what follows "transient." has a dot in the key of a history, and none in a key of the
+        // whole run such as transient.end_time
         const char *name = row->key + sizeof group - 1;
         if (strncmp(row->key, group, sizeof group - 1) != 0 || !strchr(name, '.')) continue;
         if (source_is_overridden(source, row))
@@ -216,7 +217,7 @@ static ehd_status clear(scene_source *source, place where, ehd_error *error) {
 
 static ehd_status apply_shape(scene_source *source, const default_histories *self, size_t i,
                               const shape *of, ehd_error *error) {
-    // keys of the law that take `first` and `second`
+    // for each kind of history: the keys to which `first` and `second` of the shape are assigned
     static const char *const names[NUM_KINDS][2] = {
         [SINE] = {"period", "phase"}, [RAMP] = {"start", "duration"}, [STEP] = {"at", NULL}};
     const char *quantity = vary_names[self->quantity[i]];

@@ -13,7 +13,8 @@ typedef struct default_histories {
     size_t num_quantities;
     int quantity[NUM_VARY]; // VARY_LOAD, ...
     double low[NUM_VARY], high[NUM_VARY];
-    bool chosen;   // the plan gives the kinds; else sines, ramps, and steps of the speed only
+    bool chosen;   // whether the plan gives the kinds; false: sines and ramps of all quantities,
+                   // and steps of the speed
     bool kinds[3]; // sine, ramp, step
     place where;
 } default_histories;

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// largest depth of plans that are parts of other plans
+// longest chain of plans, each of which is a part of the next plan
 enum { MAX_DEPTH = 16 };
 
 /* The arguments of plan_read. */

@@ -11,7 +11,7 @@
 
 /* The quantities that may vary in time. */
 enum { VARY_LOAD, VARY_SPEED, VARY_RADIUS, VARY_MODULUS, VARY_APPROACH, NUM_VARY };
-enum { MAX_FACTOR = 1000 };                    // largest magnitude of a factor
+enum { MAX_FACTOR = 1000 };                    // largest magnitude of a factor on a reference value
 extern const char *const vary_names[NUM_VARY]; // "load", …: the keys of their histories
 
 /* The history of one quantity: a factor on its reference value, as a function of T = u_ref t /
@@ -22,19 +22,20 @@ typedef struct history_settings {
     double mean;           // dimensionless; NaN stands for 1
     double period;         // in T
     double phase;          // rad
-    double from;           // factor
-    double to;             // factor
-    double start;          // T
-    double duration;       // in T
-    double at;             // T
+    double from;           // factor before a ramp or step
+    double to;             // factor after a ramp or step
+    double start;          // T at which a ramp starts
+    double duration;       // of a ramp, in T
+    double at;             // T at which a step occurs
     char file[256];        // relative to the working folder
     char column[64];       // column in the file
     char interpolation[8]; // spline, linear
 } history_settings;
 
 /* The operating point in SI units. Load, radius, speed, modulus and viscosity are all given, or
- * none of them is. The speeds of both surfaces may replace the mean speed, and an ellipse may have
- * another radius across. If the viscosity law has its own viscosity, `viscosity` may be missing. */
+ * none of them is. The speeds of both surfaces may replace the mean speed. An ellipse may have
+ * another radius across the entrainment. If the viscosity law has its own viscosity, `viscosity`
+ * may be missing. */
 typedef struct physical_settings {
     double load;          // N/m of a line contact, N of a point contact
     double radius;        // m
@@ -48,7 +49,7 @@ typedef struct physical_settings {
 
 /* The grid. Values that are NaN are chosen as the contact needs them (scene_contact.h). */
 typedef struct grid_settings {
-    double x_min; // contact half widths
+    double x_min; // all lengths of the grid are in contact half widths
     double x_max;
     double step;
     double y_max; // NaN also for a line contact
@@ -58,18 +59,20 @@ typedef struct grid_settings {
 typedef struct output_settings {
     int fields;       // whether fields are written: 1, 0, or -1 for the program's default
     int resolution;   // whether errors of the grid are estimated: 1, 0, or -1 for the default
-    int fields_every; // fields are written at every N-th step; only for a transient scene
+    int fields_every; // fields are written at every N-th time step; only for a transient scene
 } output_settings;
 
 typedef struct transient_settings {
-    double end_time; // T
+    double end_time; // T at which the run ends
     // dimensionless: tolerance of the error of the central film if `transport` is path, else of the
-    // local error of a step
+    // local error of a time step
     double tolerance;
-    double smoothing;   // half widths, for transport along the path
-    double fixed_step;  // length of fixed steps in T; NaN: error control chooses the step sizes
-    double start_film;  // H at the start from rest
-    double start_speed; // factor on the speed; NaN: factor of the speed's history at T = 0
+    double smoothing;  // filter length in half widths, for transport along the path
+    double fixed_step; // length of fixed time steps in T; NaN: error control chooses the lengths
+    double start_film; // central film H at T = 0 if the speed starts at zero
+    // factor on the reference speed; the film at T = 0 is the stationary film at this speed. NaN:
+    // factor of the speed's history at T = 0
+    double start_speed;
     history_settings vary[NUM_VARY];
 } transient_settings;
 
@@ -77,7 +80,7 @@ typedef struct transient_settings {
 typedef struct surface_settings {
     char kind[16]; // "sine", "dent" or "file"; "": both surfaces are smooth
     char units[8]; // contact, si: units of heights and lengths
-    double speed;  // speed of that surface, relative to the mean speed
+    double speed;  // speed of the surface that is not smooth, relative to the mean speed
     double position;
     double amplitude, wavelength, phase;
     double depth, radius;
@@ -91,11 +94,13 @@ typedef struct scene {
     char contact[16];        // line, point, ellipse
     char regime[16];         // stationary, transient
     char closure[16];        // load, approach
-    char discretization[16]; // accurate, published
+    char discretization[16]; // accurate, cross-flux, published
     char boundary[16];       // open, zero; "" for a line contact
     char transport[16];      // upwind, path
     double approach;         // H0 in the reference frame; NaN: H0 of the stationary solution
-    double approach_length;  // a_ref; NaN: 10 with closure approach, else 1
+    // distance at which the approach is measured, in reference half widths; NaN: 10 with closure
+    // approach, else 1
+    double approach_length;
     struct {
         double M, L; // dimensionless, both given or neither
     } moes;
@@ -144,8 +149,8 @@ typedef struct setting {
     double min, max;           // allowed range, both included, for SETTING_REAL and SETTING_WHOLE
     const char *unit;          // "1", "Pa", ...; "N/m|N": N/m for a line contact, else N
     const char *help;          // one sentence
-    // If one of these conditions does not hold, the key is refused. The conditions end with a NULL
-    // key, and refer to keys of rows before this row
+    // If one of these conditions does not hold, the key is refused. A NULL key ends a list of fewer
+    // than MAX_CONDITIONS conditions. The conditions refer to keys of rows before this row
     setting_condition when[MAX_CONDITIONS];
     bool required; // whether the key must be given if the conditions hold
 } setting;
@@ -198,7 +203,7 @@ ehd_status scene_set(scene *scene, const char *key, const char *value, const cha
 /* Checks settings that depend on each other. The error text begins with `where`.
  * - Either moes or physical is given. For an ellipse either ellipticity or radius_across is given.
  * - All required keys are given. No key is given that regime, closure and laws do not use.
- * - The grid's extent is a whole number of steps.
+ * - The grid's extent is a whole number of grid steps.
  * - The contact lies inside the grid. */
 ehd_status scene_validate(const scene *scene, const char *where, ehd_error *error);
 
@@ -227,7 +232,7 @@ typedef struct plan_point {
 /* Quantities that `where` of a plan may bound. */
 enum { WHERE_ALPHA_P_H, WHERE_MOES_M, NUM_WHERE };
 
-/* Bounds of a group; -inf..inf: no bound. */
+/* Lowest and highest value of each WHERE_ quantity in a group; -inf..inf: no bound. */
 typedef struct plan_where {
     double bounds[NUM_WHERE][2];
 } plan_where;
@@ -260,8 +265,9 @@ ehd_status plan_read(
     const char *path, const char *const *overrides, size_t num_overrides, ehd_error *error);
 
 /* Reads a plan from the text that files keep as their settings. The plan has the same points,
- * groups and bounds as the original plan. Other lines that begin with #, which programs add to the
- * text, are ignored. Errors use `name` as the name of the file. Errors: EHD_DATA, EHD_MEMORY. */
+ * groups and bounds as the original plan. Lines that begin with # and give neither a group nor a
+ * point are ignored, because programs add such lines to the text. Errors use `name` as the name of
+ * the file. Errors: EHD_DATA, EHD_MEMORY. */
 ehd_status plan_parse(
     // output:
     plan *plan, // free with plan_free

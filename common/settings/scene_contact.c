@@ -47,7 +47,7 @@ ehd_status scene_check_approach(const scene *given, const ehd_contact *contact, 
 /* Sets how films are carried through the contact. */
 static void set_transport(ehd_contact *contact, const scene *given) {
     contact->transport = TRANSPORT_UPWIND;
-    transport_find(&contact->transport, given->transport); // valid, or "" if stationary
+    transport_find(&contact->transport, given->transport); // a valid name, or "" if stationary
     contact->smoothing = given->transient.smoothing;
     contact->time_tolerance = isnan(given->transient.fixed_step) ? given->transient.tolerance : NAN;
 }

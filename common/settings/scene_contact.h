@@ -19,9 +19,9 @@ ehd_status scene_contact(
     // input:
     const scene *given, ehd_error *error);
 
-/* Do the two steps of scene_contact. If the scene does not give the grid, the contact may take the
- * grid of a model between the two steps (contact_take_grid). The second step then does not choose a
- * grid, and this saves most of the time. */
+/* Together, these two functions do the work of scene_contact. If the scene does not give the grid,
+ * the contact may take the grid of a model between the two calls (contact_take_grid).
+ * scene_contact_end then does not choose a grid, which saves most of the time. */
 ehd_status scene_contact_begin(ehd_contact *contact, const scene *given, ehd_error *error);
 ehd_status scene_contact_end(ehd_contact *contact, const scene *given, ehd_error *error);
 

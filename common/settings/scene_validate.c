@@ -293,7 +293,7 @@ static bool is_point(const scene *of) {
     return strcmp(of->contact, "line") != 0;
 }
 
-/* Returns the allowed step that divides the extent and is nearest to the given step. */
+/* Returns the allowed grid step that divides the extent and is nearest to the given grid step. */
 static double nearest_step(double extent, double step) {
     const setting *row = setting_find("grid.step");
     double count = round(extent / step);
@@ -354,7 +354,7 @@ static ehd_status check_grid(const scene_source *source, ehd_error *error) {
                           "such as with %s",
                           found, of->grid.x_min, of->grid.x_max, valid);
     }
-    // the lines of an ellipse have their own step; the last line lies at y_max or just beyond
+    // an ellipse has its own spacing of grid lines; the last line lies at y_max or just beyond
     const bool square = is_point(of) && strcmp(of->contact, "ellipse") != 0;
     if (!square || isnan(of->grid.y_max) || is_whole(of->grid.y_max / step)) return EHD_OK;
     number_show(valid, step * ceil(of->grid.y_max / step));

@@ -29,7 +29,7 @@
 #define ON_A_POINT   {{"contact", "point|ellipse"}}
 #define ON_AN_ELLIPSE {{"contact", "ellipse"}}
 #define IN_TIME      {{"regime", "transient"}}
-#define LAW(laws)    {{NULL, laws}} // condition on the law of the same history
+#define LAW(laws)    {{NULL, laws}} // condition on the law of the key's own history
 #define LAST_ROW     {NULL, SETTING_FLAG, 0, 0, NULL, NULL, 0, 0, NULL, NULL, ALWAYS, false}
 
 // columns: key, type, offset, size, default, choices, min, max, unit, help, when, required
@@ -409,7 +409,7 @@ static size_t edit_distance(const char *left, const char *right) {
     return row[width];
 }
 
-/* Other words for the last part of a key. */
+/* Words that a user may write for the last part of a key, each with the last part that is meant. */
 static const char *const synonyms[][2] = {{"velocity", "speed"}, {"force", "load"}};
 
 /* Returns the setting that is meant by a key whose last part is a synonym: "physical.speed" for

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The settings that a group of a plan varies: columns of values, from its YAML or from a CSV file,
- * and settings that vary between bounds. */
+/* The settings that a group of a plan varies: columns of values, from the plan itself or from a CSV
+ * file, and settings that vary between bounds. */
 #ifndef EHD_VARIATION_H
 #define EHD_VARIATION_H
 
@@ -49,7 +49,7 @@ typedef struct variation {
  *
  * The candidates are the corners of the region, points along its edges, and points inside. The
  * points inside follow Sobol's sequence (gsl_qrng_sobol), which leaves no gaps for any number of
- * candidates. The number of candidates is `times` the number that the group gives.
+ * candidates. The number of candidates that the group gives is multiplied by `times`.
  *
  * `plan_path` is the plan's file, for errors; the path in `points` is relative to its folder.
  * Errors: EHD_DATA, EHD_NOINPUT, EHD_IO, EHD_MEMORY. */

@@ -192,7 +192,7 @@ static ehd_status set_key(const reader *self, const yaml_event_t *event, const t
 
 static ehd_status read_children(reader *self, tree_node *parent, size_t depth);
 
-/* Reads a node that starts with an event. */
+/* Reads the node whose first event is `event`. */
 static ehd_status fill_node(reader *self, tree_node *node, const yaml_event_t *event,
                             size_t depth) {
     ehd_status status = check_plain(self, event);

@@ -59,8 +59,8 @@ static bool by_load(const contact_frame *frame) {
 }
 
 /* Decides whether the force between separated bodies, which is neglected, is small enough. This
- * force is at most the force of a stationary contact with the same gap. Beyond the touching
- * approach, it is also at most the touching load. */
+ * force is at most the force of a stationary contact with the same gap. If the approach exceeds the
+ * touching approach, this force is also at most the touching load. */
 static ehd_status find_known(bool *known, apart_march *self, const contact_frame *frame,
                              ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -191,7 +191,8 @@ static ehd_status find_touch(bool *touches, apart_march *self, const contact_fra
 }
 
 /* Attempts a step of bodies that are apart. If they touch again, the contact starts from the
- * stationary film. At rest it starts from the film at the reference's entrainment. */
+ * stationary film. If the entrainment is zero, it starts from the stationary film at the
+ * reference's entrainment. */
 static ehd_status attempt_apart(march_step *outcome, apart_march *self, const contact_frame *frame,
                                 double step, ehd_error *error) {
     bool touches;

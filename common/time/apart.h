@@ -10,9 +10,9 @@
 /* State of the bodies at one time. All members are doubles, so that the struct can be saved. */
 typedef struct apart_moment {
     double apart;        // 1: the bodies are apart, else 0
-    double inner;        // 1: the inner solver has states, perhaps old ones; else 0
+    double inner;        // 1: the inner solver has states, perhaps of an earlier contact; else 0
     double approach;     // in the reference frame; NaN: the bodies are apart, and the load is given
-    double doubtful;     // path of the fluid until which the contact has film that formed at rest
+    double doubtful;     // up to this path of the fluid the contact has film that formed at rest
     contact_frame frame; // frame of bodies that are apart, scaled by the reference load
 } apart_moment;
 
@@ -20,8 +20,8 @@ typedef struct apart_moment {
 typedef struct apart_march {
     march_solver inner;
     const ehd_contact *reference;
-    /* Longest step in which the bodies may part or touch. Longer steps are rejected. INFINITY: no
-     * step is rejected. */
+    /* Longest time step in which the bodies may part or touch. If they do so in a longer step, this
+     * step is rejected. INFINITY: no step is rejected. */
     double longest_step;
     apart_moment now, next; // the accepted state; the state of the last attempt
     // whether the bodies touched again in the last attempt, and the inner solver started anew

@@ -86,7 +86,7 @@ static void set_second_order(bdf_formula *formula, double step, const double *ag
 bdf_formula bdf_step(double step, const double *intervals, size_t num_previous) {
     bdf_formula formula = {.order = 0};
     double ago[BDF_PREVIOUS] = {step}; // time from each previous state to the new state
-    double interval = 0;               // from state i to the last state
+    double interval = 0;               // time from state i to the last state
 
     for (size_t i = 1; i < num_previous; i++)
         ago[i] = ago[i - 1] + intervals[i - 1];
@@ -131,8 +131,9 @@ static void swap(bdf_ring *ring, size_t i, size_t k) {
 /* Checks whether the state being solved, at `time`, is passing (bdf_ring). While steps grow, as
  * after a start, no state is passing. */
 static bool is_passing(const bdf_ring *ring, double time, double least) {
-    // Smallest ratio of successive steps at which the steps grow. In a march a step is at most
-    // twice the step before it (test_bdf.c, states_that_follow_too_soon_are_passing).
+    // Smallest ratio of a step to the step before it at which steps are taken as growing. In a
+    // march a step is at most twice the step before it (test_bdf.c,
+    // states_that_follow_too_soon_are_passing).
     const double grown = 1.5;
     const double step = time - ring->time[ring->place[1]];
 

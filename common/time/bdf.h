@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes backward differences of order one and two with variable step (BDF2: Hairer, Norsett,
- * Wanner, Solving Ordinary Differential Equations I, section III.5), and holds the few states that
- * they use. Steps may have any lengths, in any order (README.md, BDF2).
+ * Wanner, Solving Ordinary Differential Equations I, section III.5), and manages the few states
+ * that they use. Steps may have any lengths, in any order (README.md, BDF2).
  * Called by bdf_march.c for each step. */
 #ifndef EHD_BDF_H
 #define EHD_BDF_H
@@ -12,12 +12,12 @@
 // number of previous states that a step uses: two for the formula, a third for the error estimate
 enum { BDF_PREVIOUS = 3 };
 
-/* Formula of one step: dy/dT = rate y + sum of weight[i] y_i. y_0 is the last state and y_1 the
- * state before it. The prediction of y is the sum of predictor[i] y_i. The local error is `error`
- * times the difference between y and its prediction. */
+/* Formula of one time step, for the new state y: dy/dT = rate y + sum of weight[i] y_i. y_0 is the
+ * last state and y_1 the state before it. The prediction of y is the sum of predictor[i] y_i. The
+ * local error is `error` times the difference between y and its prediction. */
 typedef struct bdf_formula {
     size_t order;
-    size_t num_weighted;            // number of states from y_0 to the last state with a weight
+    size_t num_weighted;            // number of states from y_0 to the oldest state with a weight
     size_t degree;                  // degree of the prediction, a polynomial in time
     double rate;                    // 1 / time
     double weight[BDF_PREVIOUS];    // 1 / time
@@ -27,14 +27,14 @@ typedef struct bdf_formula {
 } bdf_formula;
 
 /* Largest ratio r of a step of BDF2 to the time between the two previous states of its formula. If
- * y' = 0, a step multiplies the difference of these two states by r^2 / (1 + 2 r). This factor is
- * at most 1 up to r = 1 + sqrt(2). */
+ * y' = 0, the new state differs from the last state by r^2 / (1 + 2 r) times the difference of
+ * these two states. This factor is at most 1 up to r = 1 + sqrt(2). */
 extern const double bdf_most_growth;
 
 /* Returns the formula for a step of length `step` from the last state. The number of previous
  * states, `num_previous`, is 1 to BDF_PREVIOUS. intervals[i] is the time between states i and i +
- * 1. A formula of second order uses the latest state that is far enough from the last state for
- * this step. If there is none, the formula is of first order. */
+ * 1. A formula of second order uses the last state and the latest earlier state that precedes it by
+ * at least step / bdf_most_growth. If there is no such state, the formula is of first order. */
 bdf_formula bdf_step(double step, const double *intervals, size_t num_previous);
 
 enum { BDF_STATES = BDF_PREVIOUS + 2 };

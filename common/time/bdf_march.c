@@ -16,13 +16,13 @@ const double march_error_growth = 1.5;
  * a_slow_ramp_along_the_path_ends_at_rest). */
 static const double SHORT_PATH = 0.25;
 
-/* Largest local error of the film anywhere before the centre, relative to the central film. With
- * transport along the path a step with a larger error is repeated, because the iteration has then
- * found another solution: the film ruptures in the inlet, and a narrow peak of pressure travels
- * there. After a load step by a half such solutions have errors of 0.2 and more. In the paper's
- * transient case no error exceeds 0.014 (test_path_march.c,
- * a_film_far_from_its_prediction_is_not_taken). With a load of +-50 % one step in a hundred has an
- * error of 0.1, and is repeated with a quarter of its length. */
+/* Largest local error of the film anywhere upstream of the centre, relative to the central film.
+ * With transport along the path a step with a larger error is repeated, because the iteration has
+ * then found another solution: the film ruptures in the inlet, and a narrow peak of pressure
+ * travels there. After a jump of the load by a half, such solutions have errors of 0.2 and more. In
+ * the paper's transient case no error exceeds 0.014 (test_path_march.c,
+ * a_film_far_from_its_prediction_is_not_taken). With a load that varies by +-50 %, one time step in
+ * a hundred has an error of 0.1, and is repeated with a quarter of its length. */
 static const double MOST_MISSED = 0.05;
 
 void bdf_march_init(bdf_march *self, size_t num_rows, arena *memory) {
@@ -70,7 +70,7 @@ double bdf_march_missed(const bdf_march *self, size_t r) {
     return mass;
 }
 
-/* With transport along the path, checks whether the film before the centre differs from its
+/* With transport along the path, checks whether the film upstream of the centre differs from its
  * prediction by more than MOST_MISSED. The local error does not show such a difference, because
  * with this transport it leaves out the inlet. Without entrainment there is no inlet to check. */
 static bool is_another_solution(const bdf_march *self, double central_film) {
@@ -113,8 +113,8 @@ static void forget_attempt(bdf_march *self) {
     self->promoted = false;
 }
 
-/* Filters the accepted states again if this step applies another fraction of the filter than was
- * applied to them before. */
+/* Filters the previous states anew if this step needs another fraction of the filter's effect
+ * (frame_step_share) than the fraction that was applied to them. */
 static void filter_previous(bdf_march *self) {
     if (!bdf_march_along_path(self)) return;
     const contact_frame *last = self->frame[bdf_march_place(self, 1)];
@@ -177,7 +177,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
 /* Returns the least time between two states at which steps begin (README.md, Steps of another
  * integrator). */
 static double least_interval(const bdf_march *self, const contact_frame *frame) {
-    // least path of the fluid between these states, in steps of the grid (README.md, BDF2;
+    // least path of the fluid between two such states, in grid steps (README.md, BDF2;
     // test_online_transient.c, steps_may_have_any_lengths)
     const double least = 0.5;
 

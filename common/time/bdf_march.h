@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Marches any model in time by BDF2 steps (bdf.h; README.md, BDF2). The march holds the accepted
- * states and, with transport along the path, the base. It computes local errors, and saves and
- * restores states. A model supplies the functions of bdf_model.
+ * states and, with transport along the path, the base (README.md, Along the path). It computes
+ * local errors, and saves and restores states. A model supplies the functions of bdf_model.
  * Called by fullrun/full_march.c and romrun/online/reduced_march.c. */
 #ifndef EHD_BDF_MARCH_H
 #define EHD_BDF_MARCH_H
@@ -61,15 +61,15 @@ typedef struct bdf_model {
     double (*error_on_the_way)(void *self);
     /* Decides whether the solved attempt can be trusted, and estimates the errors of its films. */
     void (*assess)(march_step *outcome, void *self, const ehd_contact *contact);
-    void (*accept)(void *self); // accepts the solved state, before it is prepared
+    void (*accept)(void *self); // accepts the solved state; called before `prepare`
     // accepts the errors of the attempt; not called for a passing state
     void (*keep_errors)(void *self);
     void (*restart)(void *self);                            // as in march_solver; may be NULL
     void (*copy)(void *self, size_t target, size_t source); // copies a state without its frame
-    /* Prepares an accepted state as a previous state of the next steps. `share`: the fraction of
-     * the filter that is applied to the state, 0 … 1. */
+    /* Prepares an accepted state as a previous state of the next steps. `share`, 0 to 1: the
+     * fraction of the filter's effect that is applied (path_filter_apply). */
     void (*prepare)(void *self, size_t place, double share);
-    ehd_status (*use_base)(void *self, ehd_error *error); // prepares the base
+    ehd_status (*use_base)(void *self, ehd_error *error); // prepares the state at BDF_BASE
     /* Save and restore a state without its frame. EHD_DATA: the numbers are not a valid state. */
     void (*save)(double *target, const void *self, size_t place);
     ehd_status (*restore)(void *self, size_t place, const double *source, ehd_error *error);
@@ -113,9 +113,9 @@ typedef struct bdf_march {
     const bdf_model *model;
     const ehd_contact *reference;               // contact with all factors equal to 1
     contact_frame *frame[NUM_BDF_PLACES];       // frames of the model's states
-    size_t state_size, front_size, behind_size; // how many numbers the model saves in each part
+    size_t state_size, front_size, behind_size; // how many numbers save and save_rest write
     bdf_masses masses;
-    bool allows_short; // states may be passing if steps are short
+    bool allows_short; // states at the end of short steps are passing (bdf_ring)
     // states:
     bdf_ring ring;
     bdf_ring accepted;        // the ring before the attempt, if `promoted`
@@ -146,12 +146,13 @@ size_t bdf_march_accepted(const bdf_march *self, size_t steps);
 
 /* Computes the contact in a frame. contact->entrainment is the factor of the entrainment term in
  * the equations of a step. With transport along the path it is zero, because the time derivative
- * along the path contains this term. *entrainment: entrainment of the fluid. */
+ * along the path contains this term. *entrainment is the entrainment of the fluid with either
+ * transport. */
 void bdf_march_contact(ehd_contact *contact, double *entrainment, const contact_frame *frame,
                        const bdf_march *self);
 
-/* Returns the solution of rho H minus its prediction, at the node of row r in the attempt. This
- * difference times the formula's `error` is the local error. */
+/* Returns rho H of the attempt minus its prediction, at the node of row r. This difference times
+ * the formula's `error` is the local error. */
 double bdf_march_missed(const bdf_march *self, size_t r);
 
 // ---- handing a march to another model of the same reference and grid
@@ -160,7 +161,8 @@ double bdf_march_missed(const bdf_march *self, size_t r);
 ehd_status hand_over_init(hand_over *self, const ehd_grid *grid, ehd_error *error);
 void hand_over_free(hand_over *self);
 
-/* Computes the state at a place on the grid, with its frame. */
+/* Computes the values of a state at the nodes of the grid, and sets its frame. `place` is the index
+ * of the state. */
 void bdf_march_give(handed_state *given, const bdf_march *self, size_t place);
 
 /* Takes the accepted states of another march, with the errors of their films. With transport along

@@ -30,7 +30,7 @@ static origins origins_in(const contact_frame *then, const contact_frame *now) {
     return (origins){half * (1 - stretch - frame_shift(now, then)), stretch};
 }
 
-/* Returns the kept error at `among`, the number of a place with a fraction. */
+/* Returns the kept error at `among`, the index of a place plus a fraction. */
 static double kept_at(const film_errors *self, double among) {
     const spline_point at = spline_at(among, NUM_ERROR_PLACES);
     const double *value = self->kept + at.node, *curvature = self->curvature + at.node;

@@ -27,8 +27,8 @@ double film_errors_place(size_t i);
 void film_errors_set(film_errors *self, const double *kept);
 
 /* Computes the difference between two films, [num_nodes] each. The result at a place is the largest
- * difference at the nodes around this place. Only nodes of the central line before column `end`,
- * the exit, are used. */
+ * difference at the nodes around this place. Only nodes of the central line upstream of the exit,
+ * which is at column `end`, are used. */
 void film_errors_between(
     // output:
     double errors[NUM_ERROR_PLACES],
@@ -40,9 +40,9 @@ void film_errors_between(
 void film_errors_carry(film_errors *self, const contact_frame *then, const contact_frame *now);
 
 /* Sets the error of entering fluid in `next` to `value`, after film_errors_carry. The caller uses
- * the errors as upper bounds, so negative values are set to 0. `value` is set at the places before
- * `x` and, unless `then` is NULL, at the places whose fluid has entered the dry contact since the
- * state `then`. */
+ * the errors as upper bounds, so negative values are set to 0. `value` is set at the places
+ * upstream of `x` and, unless `then` is NULL, at the places whose fluid has entered the dry contact
+ * since the state `then`. */
 void film_errors_enter(film_errors *self, const contact_frame *then, const contact_frame *now,
                        double x, double value);
 
@@ -54,8 +54,8 @@ void film_errors_add(film_errors *self, double factor, const double *errors, con
 /* Returns the error of the attempt at X; 0 outside of the dry contact. */
 double film_errors_at(const film_errors *self, double x);
 
-/* Returns the largest error of the attempt between two places X. If both places lie before the dry
- * contact, or both behind it, returns the error at the nearer edge of the dry contact. */
+/* Returns the largest error of the attempt between two places X. If both lie upstream of the dry
+ * contact, or both downstream of it, returns the error at the nearer edge of the dry contact. */
 double film_errors_largest(const film_errors *self, double from, double to);
 
 /* Accepts the errors of the attempt. */

@@ -96,8 +96,8 @@ double frame_shortest_step(const contact_frame *frame, const ehd_grid *grid) {
 }
 
 double frame_step_share(const contact_frame *frame, double step, const ehd_grid *grid) {
-    // a sixteenth of the grid step: with a quarter of the grid step, films drifted in fixed steps
-    // that were a fifth of the grid step
+    // a sixteenth of the grid step: with a quarter of the grid step, films drifted when the fixed
+    // time step was a fifth of frame_grid_step
     return fmin(16 * step / frame_grid_step(frame, grid), 1);
 }
 
@@ -167,7 +167,7 @@ contact_traction frame_traction_to_reference(contact_traction current, const con
     current.friction *= frame->load;
     current.rolling_resistance *= frame->load;
     current.rolling_moment *= frame->load * frame->half_width;
-    current.power *= frame->load * frame->half_width; // the speed in the power is in half widths
+    current.power *= frame->load * frame->half_width; // the power contains a speed in half widths
     current.mean_stress *= frame->hertz_pressure;
     current.largest_stress *= frame->hertz_pressure;
     return current;

@@ -2,7 +2,8 @@
 /* Computes the moving frame of a contact that varies with time. All quantities are scaled by the
  * current contact size and Hertz pressure. Only time is scaled by the reference (Maier et al. 2015,
  * eq. 6; README.md, The moving frame).
- * Called by march.c for each time, and by both models to carry states from frame to frame. */
+ * Called by march.c for each time, and by the full and the reduced model to carry states from frame
+ * to frame. */
 #ifndef EHD_FRAME_H
 #define EHD_FRAME_H
 
@@ -36,8 +37,8 @@ contact_frame frame_at(const contact_kind *kind, double time, const double *valu
 bool frame_is_valid(const contact_frame *frame);
 
 /* Sets the contact in the frame from the reference contact: lambda, Hertz pressure, U, Moes
- * numbers, closure. Moes M is the same for both directions of a speed. It grows without bound as
- * the speed goes to zero, and is limited to 1e5. */
+ * numbers, closure. Moes M is the same for both directions of a speed. It would grow without bound
+ * as the speed goes to zero, so it is limited to 1e5. */
 void frame_contact(
     // output:
     ehd_contact *contact,
@@ -55,19 +56,19 @@ double frame_film_ratio(const contact_frame *now, const contact_frame *then);
  * with stretch from frame_stretch. */
 double frame_shift(const contact_frame *now, const contact_frame *then);
 
-/* Returns the time in T in which the fluid moves by one step of the grid. The dimensionless
+/* Returns the time, in units of T, in which the fluid moves by one grid step. The dimensionless
  * entrainment is taken as at least 1. */
 double frame_grid_step(const contact_frame *frame, const ehd_grid *grid);
 
-/* Returns the shortest step in T that error control takes with transport along the path: a quarter
- * of frame_grid_step. Interpolation dominates the error of shorter steps. Starts, events and other
- * integrators may take shorter steps. */
+/* Returns the shortest time step, in units of T, that error control takes with transport along the
+ * path: a quarter of frame_grid_step. Interpolation dominates the error of shorter steps. Starts,
+ * events and other integrators may take shorter steps. */
 double frame_shortest_step(const contact_frame *frame, const ehd_grid *grid);
 
-/* Returns the ratio of the path of a step to a sixteenth of the grid's step, at most 1. Noise of
- * the solution does not shrink with the step. The filter, the error estimates, the rates and the
- * load's forecast are multiplied by this ratio, so that noise adds up along the path and not with
- * the number of steps. */
+/* Returns the ratio of the path of the fluid in a time step to a sixteenth of the grid step, at
+ * most 1. Noise of the solution does not shrink with the time step. The filter, the inlet error
+ * estimate, the rates of the load and the load forecast are multiplied by this ratio, so that noise
+ * adds up along the path and not with the number of steps. */
 double frame_step_share(const contact_frame *frame, double step, const ehd_grid *grid);
 
 /* Returns the frame scaled by another load. */

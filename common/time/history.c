@@ -114,7 +114,8 @@ static double ramp_value(const history *self, double time) {
 static double ramp_integral(const history *self, double time) {
     const history_settings *given = &self->given;
     const double duration = given->duration, change = given->to - given->from;
-    // integrals of the change from the start of the ramp to T = 0 and to `time`
+    // ends: T = 0 and `time`, counted from the start of the ramp; sum: integrals of the change from
+    // this start to both ends
     const double ends[] = {-given->start, time - given->start};
     double sum[2];
     for (int i = 0; i < 2; i++) {

@@ -23,16 +23,16 @@ ehd_status histories_init(
     // input:
     const scene *given, ehd_error *error);
 
-/* Reads histories like histories_init, for a reduced model, which is trained for one direction.
- * Also returns EHD_DATA if the speed or the speed of the start is below 0. */
+/* Reads histories like histories_init, for a reduced model, which is trained for one direction of
+ * entrainment. Also returns EHD_DATA if the speed or the speed of the start is below 0. */
 ehd_status histories_init_forward(
     // output:
     ehd_histories **self,
     // input:
     const scene *given, ehd_error *error);
 
-/* Reads histories like histories_init_forward. Also returns EHD_DATA if the load is 0, because
- * training has no lost contacts. */
+/* Reads histories like histories_init_forward. Also returns EHD_DATA if the load is 0, because no
+ * reduced model is trained on bodies that are apart. */
 ehd_status histories_init_training(
     // output:
     ehd_histories **self,
@@ -54,8 +54,8 @@ void histories_at(
     // input:
     const ehd_histories *self, double time);
 
-/* Returns the speed whose stationary film is the start. It is the speed of the history at T = 0,
- * unless the scene gives transient.start_speed. */
+/* Returns the speed of the stationary film from which the march starts. It is the speed of the
+ * history at T = 0, unless the scene gives transient.start_speed. */
 double histories_start_speed(const ehd_histories *self);
 
 /* Returns the integral of the speed from T = 0 to `time`: the path of the fluid, in reference half
@@ -70,9 +70,9 @@ double histories_next_kink(
     // output:
     bool *jump); // whether some history jumps at this time
 
-/* Returns the shortest time scale of all histories, for the length of the first step: a period /
- * (2 pi), the duration of a ramp, or the smallest distance of a table's times. INFINITY: nothing
- * varies smoothly. */
+/* Returns the shortest time scale of all histories, for the length of the first step: a period
+ * divided by 2 pi, the duration of a ramp, or the smallest interval between the times of a table.
+ * INFINITY: all histories are constant or only jump. */
 double histories_shortest_time(const ehd_histories *self);
 
 /* Returns the shortest time scale of the histories that have no kinks, such as sines and splines.

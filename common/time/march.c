@@ -35,10 +35,11 @@ static const double FIRST_OF_FIXED = 1. / 8;
  * steps_grow_by_two_at_most). */
 static const double MAX_GROWTH = 2;
 
-/* Ratio of the next attempt to a step in which Newton did not converge. Such a step has no local
- * error from which a ratio could be computed (test_march.c, failed_step_is_taken_again). The same
- * ratio is the smallest factor by which the local error shortens a step. Ratios from 0.05 to 0.5 do
- * not change the steps of scenes/examples/line-in-time. */
+/* Ratio of a repeated time step to the failed attempt, in which Newton's iteration did not
+ * converge. A failed attempt has no local error from which a ratio could be computed (test_march.c,
+ * failed_step_is_taken_again). The same ratio is the smallest factor by which the local error
+ * shortens a step. Ratios from 0.05 to 0.5 do not change the steps of
+ * scenes/examples/line-in-time. */
 static const double SHRINK = 0.25;
 
 /* Ratio of a step to the step at which the local error would equal the tolerance. Number of
@@ -70,12 +71,12 @@ static const double MIN_STEP = 1e-9, SUM_ROUNDING = 8 * DBL_EPSILON;
  * (test_apart.c, no_contact_is_missed). */
 static const double WATCHED_PART = 1. / 16;
 
-/* Two times that are closer together than this fraction of a step are treated as one (test_march.c,
- * times_closer_than_a_thousandth_of_the_step_are_one). */
+/* Two points in time that are closer together than this fraction of a time step are treated as one
+ * (test_march.c, times_closer_than_a_thousandth_of_the_step_are_one). */
 static const double SLIVER = 1e-3;
 
-/* Largest number of halvings of a step because of a surface. After so many halvings 1e-18 of the
- * step is left (README.md, A surface that is not smooth). */
+/* Largest number of halvings of a time step because of a surface that is not smooth. After so many
+ * halvings 1e-18 of the step is left (README.md, A surface that is not smooth). */
 enum { MAX_HALVINGS = 60 };
 
 march_settings march_settings_of(const scene *given, const ehd_histories *histories,
@@ -169,7 +170,7 @@ ehd_status march_begin(march_step *outcome, march *self, ehd_error *error) {
     }
     if (status) return status;
     self->reason[0] = self->rejected[0] = self->untrusted[0] = '\0';
-    // an event that is treated as the time of the start does not end a step
+    // an event so close to the start that both are treated as one time does not end a step
     self->state =
         (march_state){.step = settings->first_step, .last_event = INFINITY, .untrusted_since = NAN};
     load_forecast_start(&self->state.forecast, outcome);
@@ -204,10 +205,10 @@ double load_forecast_scale(const load_forecast *self, double step, const ehd_gri
     return share < 1 ? self->scale + share * (load - self->scale) : load;
 }
 
-/* Returns the distance up to which two times are treated as one. With a distance of zero, a linear
- * table with times k/30 of nine digits and a fixed step of 1/30 took 1040 steps instead of 64. An
- * event just before or after a multiple of the fixed step caused a very short step, and each step
- * is at most twice the step before. */
+/* Returns the distance up to which two times are treated as one. With a distance of zero, a march
+ * with fixed steps of 1/30 and a linear table of times k/30, rounded to nine digits, took 1040
+ * steps instead of 64. An event just before or after a multiple of the fixed step then causes a
+ * very short step, and each step is at most twice the step before. */
 static double least_distance(double time, double step) {
     return fmax(SLIVER * step, SUM_ROUNDING * time);
 }
@@ -271,8 +272,8 @@ static next_stop find_next_stop(const march *self) {
     const double since = fmax(time, fmin(state->last_event, time + distance));
     bool jump;
     const double kink = histories_next_kink(self->histories, since, &jump);
-    // A multiple of the fixed step, not a sum of steps: times do not drift, and after a shortened
-    // step the march returns to the multiples.
+    // A multiple of the fixed step, not a sum of steps, so that times do not drift, and the march
+    // returns to the multiples after a shortened step.
     const double multiple =
         isnan(fixed) ? INFINITY : (floor((time + distance) / fixed) + 1) * fixed;
     const double event = fmin(fmin(kink, multiple), end);
@@ -314,8 +315,8 @@ static double error_after_kink(const march *self, const march_step *outcome) {
     return local_error * fmax(part / smooth, 1);
 }
 
-/* Returns the step size below which the march ends. Shorter steps do not advance the march, or are
- * lost in the round-off of the time. */
+/* Returns the length of a time step below which the march ends. Shorter steps hardly advance the
+ * march, or are lost in the round-off of the time. */
 static double min_step(const march *self) {
     return fmax(MIN_STEP * self->settings.first_step, SUM_ROUNDING * self->state.time);
 }
@@ -340,11 +341,11 @@ static double error_order(const march *self) {
 /* Raises the estimate of the solver's noise. If a step is shorter than the attempt before, but its
  * error is not smaller in proportion, the excess is noise of exits that move by whole nodes.
  * Shorter steps do not reduce this noise. For some steps the march then accepts this noise, but not
- * more than PASSAGE tolerances. This is the error that all steps together may cause while a film
+ * more than PASSAGE tolerances: this is the error that all steps together may cause while a film
  * passes through the contact. Example: a reduced model of a point contact, upwind, 33 nodes a side,
- * 60 modes, 180 rows, load with a period of 3/4 that is not in the training. With this rule it
- * takes 571 steps to T = 3; without the rule the march does not get beyond T = 1.31. Transport
- * along the path does not need the rule, because its steps have a shortest length. */
+ * 60 modes, 180 rows, load with a period of 3/4 that is not in the training. With this rule the
+ * march takes 571 steps to T = 3; without the rule the march does not get beyond T = 1.31.
+ * Transport along the path does not need the rule, because its steps have a shortest length. */
 static void watch_noise(march *self, const march_step *outcome) {
     march_state *state = &self->state;
     double error = outcome->local_error, tolerance = self->settings.tolerance;
@@ -360,7 +361,8 @@ static double accepted_error(const march *self) {
     return fmin(fmax(tolerance, 2 * self->state.noise), PASSAGE * tolerance);
 }
 
-/* Returns the least length of a shortened step with transport along the path; 0 with upwind. */
+/* Returns the length below which a step is not shortened with transport along the path; 0 with
+ * upwind. */
 static double shortest_step(const march *self, const contact_frame *frame) {
     return is_along_path(self) ? frame_shortest_step(frame, &self->reference->grid) : 0;
 }
@@ -449,10 +451,10 @@ static double step_after(const march *self, const march_step *outcome) {
 }
 
 /* Returns the first step after a jump. This step is of first order, and with transport along the
- * path the film keeps its error. The time scale of the histories does not limit the step, because
- * a jump has no time scale. With the shortest step for this transport, the error of the central
- * film after a jump of the load by 30 % (scenes/studies/transient-load) is 0.16 % (rms). With a
- * step of 0.007 it was 0.40 %. */
+ * path the film keeps the error of this step. The time scale of the histories does not limit the
+ * step, because a jump has no time scale. With a step of frame_shortest_step, the error of the
+ * central film after a jump of the load by 30 % (scenes/studies/transient-load) is 0.16 % (rms).
+ * With a step of 0.007 it was 0.40 %. */
 static double first_step_after_jump(const march *self, const march_step *outcome) {
     const double first = self->settings.first_step;
 

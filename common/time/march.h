@@ -70,7 +70,7 @@ typedef struct march_solver {
      * modulus of a frame with a load of 1. Returns its rigid approach H0 in the reference frame and
      * its load, or NaN for both if there is no such contact. apart_march (apart.h), the only
      * caller, takes this approach as the approach at which the bodies touch. After the call the
-     * accepted states are valid, and the last attempt is not. */
+     * accepted states are still valid, but the state of the last attempt is not. */
     ehd_status (*touching)(double *approach, double *load, void *self, const contact_frame *frame,
                            ehd_error *error);
     /* Save and restore all data that are needed to continue from the last accepted state, as
@@ -92,7 +92,7 @@ typedef struct march_solver {
 
 typedef struct march_settings {
     double end_time;
-    // largest estimated deviation with which a step is trusted; 0: no limit
+    // largest estimated deviation from the full model with which a step is trusted; 0: no limit
     double accuracy;
     // limit of a step's local error and of a film's accumulated error; NaN with a fixed step
     double tolerance;
@@ -117,12 +117,13 @@ typedef struct load_forecast {
  * are doubles, so that the struct can be saved. */
 typedef struct march_state {
     double time, step; // reached time, and length of the next attempt
-    // Step and error of the last rejected attempt; step 0: none since the last accepted step, or it
-    // did not converge.
+    // Step and error of the last rejected attempt. rejected_step 0: no attempt was rejected since
+    // the last accepted step, or the rejected attempt did not converge.
     double rejected_step, rejected_error;
     double noise;      // recently observed noise of the solver's local errors
     double at_kink;    // 1 if the histories have a kink at `time`, else 0
-    double last_event; // last event that is treated as `time`; `time` if there is no such event
+    double last_event; // time of the last event that is treated as equal to `time`; `time` if there
+                       // is no such event
     load_forecast forecast;
     double num_steps, num_rejected,
         num_iterations;     // whole numbers
@@ -168,10 +169,10 @@ void load_forecast_start(load_forecast *self, const march_step *start);
 void load_forecast_accept(load_forecast *self, const march_step *step);
 
 /* Returns an estimate of the next load, to scale the frame of a step. The rate of the last step is
- * extrapolated over at most bdf_most_growth times this step, since the rate of a very short step is
- * not reliable. In short steps the scale moves towards the forecast only by the fraction
- * frame_step_share. Otherwise the error of the last forecast would change the frame at an unlimited
- * rate. */
+ * extrapolated over at most bdf_most_growth times the length of this step, since the rate of a very
+ * short step is not reliable. In short steps the scale moves towards the forecast only by the
+ * fraction frame_step_share. Otherwise the error of the last forecast would change the frame at an
+ * unlimited rate. */
 double load_forecast_scale(const load_forecast *self, double step, const ehd_grid *grid);
 
 /* Solves the start of the march, at time 0. If the start does not converge, outcome->status is

@@ -12,8 +12,8 @@ enum { ORDER = PATH_FILTER_ORDER, BAND = ORDER + 1 };
 // (test_path_filter.c, a_length_of_too_many_steps_is_refused)
 static const double MOST_STEPS = 50;
 
-/* Returns the weight of the squared difference around a place. For a wave of amplitude 1 with the
- * wave number k, the difference is (k h)^ORDER if k h << 1, where h is the grid step. */
+/* Returns alpha, the weight of the squared difference, at a place. For a wave of amplitude 1 with
+ * the wave number k, the difference is (k h)^ORDER if k h << 1, where h is the grid step. */
 static double weight_at(const ehd_grid *grid, double x, double y, double length) {
     const double inside = 1 - x * x - y * y;
 
@@ -32,8 +32,9 @@ static void assemble(double *matrix, const double *weight, size_t width) {
                 matrix[(i + a) * BAND + (a - b)] += weight[i] * binomial[a] * binomial[b];
 }
 
-/* Replaces the matrix M by its factor L, M = L L'. The diagonal holds the reciprocals. Returns
- * false if round-off leaves no factor, because the filter length has too many grid steps. */
+/* Replaces the matrix M by its Cholesky factor L, M = L L', with the reciprocals of its diagonal.
+ * Returns false if round-off makes this impossible, because the filter length spans too many grid
+ * steps. */
 static bool factorise(double *matrix, size_t width) {
     for (size_t i = 0; i < width; i++) {
         double *row = matrix + i * BAND;
@@ -132,7 +133,7 @@ static void solve(double *values, const double *factor, size_t count) {
 void path_filter_apply(path_filter *self, double *values, size_t line, size_t stride,
                        double share) {
     const size_t count = self->num_columns;
-    double *taken = self->work; // change that the filter causes: it is small, like its round-off
+    double *taken = self->work; // change by the filter: it is small, and so is its round-off
 
     differences(taken, taken + count, values, self->weight + line * count, count, stride);
     solve(taken, self->factor + line * count * BAND, count);

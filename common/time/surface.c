@@ -9,13 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Longest move of a surface in a step, in units of `length` of the surface. With a dent 0.05 deep
- * the minimum film is then at worst 1.4 % off; without this limit it is 6.2 % off (README.md, A
- * surface that is not smooth; test_surface.c, steps_see_it_come). */
+/* Longest movement of a surface in a time step, in units of `length` of the surface. With a dent
+ * 0.05 deep the minimum film is then at worst 1.4 % off; without this limit it is 6.2 % off
+ * (README.md, A surface that is not smooth; test_surface.c, steps_see_it_come). */
 static const double PART_OF_LENGTH = 0.5;
 
-/* Move of a surface, in steps of the grid, that is always allowed. The grid does not resolve
- * shorter moves (README.md, Along the path). */
+/* Movement of a surface in a time step that is always allowed, in grid steps. The grid does not
+ * resolve shorter movements (README.md, Along the path). */
 static const double PART_OF_STEP = 0.25;
 
 /* Least number of grid steps in one wave. With four steps the smallest film is at most 0.3 % off,
@@ -23,7 +23,7 @@ static const double PART_OF_STEP = 0.25;
  * what_the_grid_does_not_see_is_refused). */
 static const double STEPS_PER_WAVE = 4;
 
-enum { MIN_ROWS = 3 };                                // least numbers of rows and of lines
+enum { MIN_ROWS = 3 };                                // least numbers of x in a line, and of lines
 static const double MAX_X = 1e9, MIN_DISTANCE = 1e-9; // Bounds of a table's x, half widths
 
 typedef struct surface_kind surface_kind;
@@ -33,7 +33,7 @@ typedef struct surface_kind surface_kind;
 struct ehd_surface {
     const surface_kind *kind;
     surface_settings given;
-    bool is_half;           // the contact is solved in one half
+    bool is_half;           // only one half of the contact is solved
     double ellipticity;     // ellipticity of the contact; scales Y
     double *x, *y, *values; // [count], columns of a table; y NULL: heights depend on x alone
     size_t count, num_x, num_lines;
@@ -122,8 +122,8 @@ static ehd_status check_row(const ehd_surface *self, size_t i, ehd_error *error)
     return EHD_OK;
 }
 
-/* Checks the order of row i: x increases in each line of the grid and equals x of the first line.
- * y is the same in a line and increases from line to line. */
+/* Checks the order of row i: x increases in each line of the table and equals x of the first line.
+ * y is constant in a line and increases from line to line. */
 static bool is_in_order(const ehd_surface *self, size_t i) {
     const size_t column = i % self->num_x;
 
@@ -200,7 +200,7 @@ static ehd_status check_table(ehd_surface *self, ehd_error *error) {
     return check_edge(self, error);
 }
 
-/* Checks that the table is symmetric in y, because the contact is solved in one half. */
+/* Checks that the table is symmetric in y, because only one half of the contact is solved. */
 static ehd_status check_halves(const ehd_surface *self, ehd_error *error) {
     const double rounding = rounding_of(self);
 
@@ -272,8 +272,9 @@ static double line_y(const ehd_surface *self, size_t line) {
     return self->y[line * self->num_x];
 }
 
-/* Computes the height of a line and its slope across at one x. The slope is the slope of the
- * parabola through the line and its neighbours. Both are 0 at the edge. */
+/* Computes, at one x, the height on a line of the table and the slope of the heights in y. It is
+ * the slope of the parabola through this line and its two neighbours. On the first and on the last
+ * line, height and slope are 0. */
 static void line_at(double *height, double *slope, const ehd_surface *self, size_t line, double x) {
     *height = *slope = 0;
     if (line == 0 || line + 1 == self->num_lines) return;
@@ -285,8 +286,8 @@ static void line_at(double *height, double *slope, const ehd_surface *self, size
     *slope = (down * after + up * before) / (before + after);
 }
 
-/* Returns the height of a table: splines along x, cubics across with the slopes of line_at. If the
- * table depends on x alone, the height is the same for all y. */
+/* Returns the height of a table: splines along x, and cubic polynomials in y with the slopes of
+ * line_at. If the table depends on x alone, the height is the same for all y. */
 static double file_height(const ehd_surface *self, double x, double y) {
     double height[2], slope[2];
     size_t line = 0;
@@ -316,12 +317,12 @@ static const surface_kind *find_kind(const char *name) {
     return NULL;
 }
 
-/* Returns the first x of a grid, its boundary included. */
+/* Returns the smallest x of a grid, its boundary included. */
 static double first_x(const ehd_grid *grid) {
     return grid_x(grid, 0);
 }
 
-/* Returns the last x of a grid, its boundary included. */
+/* Returns the largest x of a grid, its boundary included. */
 static double last_x(const ehd_grid *grid) {
     return grid_x(grid, grid_width(grid) - 1);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes a waviness, a dent or a table of heights on one of the surfaces. The heights move with
- * this surface and are added to the gap of the contact (README.md, A surface that is not smooth).
+/* Computes a waviness, a dent or a table of heights on one of the two surfaces of a contact. The
+ * heights move with this surface and are added to the gap of the contact (README.md, A surface that
+ * is not smooth).
  * Called by full_march.c and previous.c of fullrun for each step. */
 #ifndef EHD_SURFACE_H
 #define EHD_SURFACE_H

@@ -6,8 +6,8 @@
 #include <math.h>
 
 /* Largest number of nodes of a grid that is longer because of light loads. Twice the nodes of the
- * reference's own grid are always allowed. With 10,000 nodes a step of a line contact takes 0.13
- * s. On larger grids of point contacts the full model does not factorise the whole system
+ * reference's own grid are always allowed. With 10,000 nodes a time step of a line contact takes
+ * 0.13 s. On larger grids of point contacts the full model does not factorise the whole system
  * (full_is_large; test_time_grid.c, grids_stay_within_bounds). */
 static const double MOST_NODES = 10000;
 
@@ -16,8 +16,9 @@ static const double MOST_NODES = 10000;
  * formula (common/physics/README.md, Default grid; test_time_grid.c, default_grids_suffice). */
 static const double USUAL_EFFECT = 0.03, LARGEST_EFFECT = 0.05;
 
-/* Numbers of times at which histories are sampled. NUM_TIMES is the least number, MOST_TIMES the
- * largest. TIMES_A_PERIOD is the number in one period (test_time_grid.c, no_minimum_is_missed). */
+/* Numbers of points in time at which histories are sampled. NUM_TIMES is the least number,
+ * MOST_TIMES the largest. TIMES_A_PERIOD is the number in one period (test_time_grid.c,
+ * no_minimum_is_missed). */
 enum { NUM_TIMES = 1000, MOST_TIMES = 100000, TIMES_A_PERIOD = 25 };
 
 /* Returns the stationary contact with the M and the Hertz pressure of a frame's contact. */
@@ -66,7 +67,7 @@ static ehd_contact contact_of_least_M(const ehd_histories *histories, const ehd_
 }
 
 /* Returns an extent that is long enough for both contacts and, if the entrainment reverses, for
- * both directions. The step is the step of the reference. */
+ * both directions. The grid step is the step of the reference's grid. */
 static grid_extent extent_of(const ehd_contact *reference, const ehd_contact *lowest,
                              bool reverses) {
     const double given = reference->grid_given.x_min;

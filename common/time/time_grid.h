@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes the default grid of a contact that varies with time, and checks whether a grid suffices
- * at one time (common/physics/README.md, Default grid).
+/* Computes the default grid of a contact that varies with time, and checks whether a grid is long
+ * enough at a given time (common/physics/README.md, Default grid).
  * Called by fullrun/main.c and common/training/training_set.c, and by fullrun/full_march.c for
  * each step. */
 #ifndef EHD_TIME_GRID_H
@@ -9,13 +9,13 @@
 #include "common/physics/grid_choice.h"
 #include "common/time/history.h"
 
-/* Returns the extent of the grid that a contact needs from T = 0 to `end_time`. The step of the
- * grid is the step of the reference. The inlet suits the time of the smallest M, when the film is
+/* Returns the extent of the grid that a contact needs from T = 0 to `end_time`. The grid step is
+ * the step of the reference's grid. The inlet suits the time of the smallest M, when the film is
  * thickest: the estimated error of the central film is then at most 3 %. Three rules determine the
  * length:
  * - Loads below default_accuracy times the reference load are replaced by this value.
- * - The grid has at most 10,000 nodes, or twice the nodes of the reference. M is doubled until the
- *   grid is small enough.
+ * - The grid has at most 10,000 nodes, or at most twice the nodes of the reference if these are
+ *   more. M is doubled until the grid is small enough.
  * - If the entrainment reverses, both ends have an inlet. */
 grid_extent time_grid_extent(const ehd_histories *histories, const ehd_contact *reference,
                              double end_time);

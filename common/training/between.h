@@ -15,10 +15,11 @@
  *
  * Two points of one lubricant and group are neighbours if no third point sees them at an obtuse
  * angle (Gabriel's graph). In a grid of points, a point has neighbours along lines and diagonals of
- * the grid. The two diagonals of a cell have the same middle, which is taken once. Two
- * trajectories that differ only in numbers are neighbours on the same condition. A trajectory that
- * differs from all others in more than numbers has no neighbours. It gives a scene with half its
- * swing: half the amplitudes, and half of each ramp and step.
+ * the grid. The two diagonals of a cell have the same middle, which is taken once. Two trajectories
+ * that differ only in numbers are neighbours if no third trajectory sees them at an obtuse angle. A
+ * trajectory that differs from all others in more than numbers has no neighbours. The result
+ * contains one scene for it, with half its swing: half the amplitudes, and half of each ramp and
+ * step.
  *
  * The scenes are in the order of the plan. The result may have no points at all. The run time is
  * O(num_points^3) at worst. Errors: EHD_MEMORY. */
@@ -31,10 +32,10 @@ ehd_status between_neighbours(
     const char *name,            // name of the plan, for errors
     ehd_error *error);
 
-/* Chooses points far apart. Begins with the first point. Then always adds the point farthest from
- * the chosen points, or the first of equally far points. Points of different lubricants or groups
- * are infinitely far apart. So each lubricant of each group gets a first point before any gets a
- * second, even if this takes more than `count` points. Errors: EHD_MEMORY. */
+/* Chooses points that are far apart. Begins with the first point. Then always adds the point
+ * farthest from the chosen points, or the first of equally far points. Points of different
+ * lubricants or groups are infinitely far apart. So each lubricant of each group gets a first point
+ * before any gets a second, even if this takes more than `count` points. Errors: EHD_MEMORY. */
 ehd_status between_spread(
     // output:
     bool *chosen, // [num_points]
@@ -42,9 +43,9 @@ ehd_status between_spread(
     const training_set *set, size_t count, ehd_error *error);
 
 /* Chooses `count` more points, evenly along the list that tree_walk makes of the set's tree. Each
- * part of the region gets chosen points in proportion to its points, so the chosen points are a
- * fair sample. The points of between_spread are no fair sample: they are mostly at the edge.
- * Errors: EHD_MEMORY. */
+ * part of the parameter space gets chosen points in proportion to its number of points, so the
+ * chosen points are a fair sample. The points of between_spread are no fair sample: they are mostly
+ * at the edge of this space. Errors: EHD_MEMORY. */
 ehd_status between_sweep(
     // in and out:
     bool *chosen, // [num_points]

@@ -17,10 +17,11 @@ typedef struct pool {
     const pool_work *work;
     pthread_mutex_t lock; // guards everything below, and `start` and `finish` of the work
     pthread_cond_t changed;
-    // place in the order; all points before it that wait for no other point are already taken
+    // place in the order; all points before this place that wait for no other point are already
+    // taken
     size_t next;
-    // [room] a heap, lowest first, of places in the order: points that waited for their parent and
-    // can now be taken, and points that were put back
+    // a heap, lowest first, of places in the order: points that waited for their parent and can now
+    // be taken, and points that were put back
     size_t *ready;
     size_t num_ready;
     size_t *place; // [num_points] place of a point in the order; NULL: the point's number
@@ -38,7 +39,7 @@ size_t pool_default_workers(void) {
 
     // a container or `taskset` may allow fewer processors than the machine has
     if (sched_getaffinity(0, sizeof allowed, &allowed) == 0) count = CPU_COUNT(&allowed);
-    // a machine with more processors than a cpu_set_t holds
+    // the call fails on a machine with more processors than a cpu_set_t holds
     if (count < 1) count = (int)sysconf(_SC_NPROCESSORS_ONLN);
     return count > 0 ? (size_t)count : 1;
 }

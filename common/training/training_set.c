@@ -300,7 +300,8 @@ static void keep_points(training_set *set, const bool *keep) {
 }
 
 /* Cuts the points into branches, in the order of the plan, and keeps the branches of the shard. The
- * tree contains all points, so neither the cuts nor the start of a point depend on the shards. */
+ * tree is made from all points of the plan, so neither the branches nor the parent of a point
+ * depend on the shards. */
 static ehd_status keep_branches(training_set *set, const char *plan_path, shard piece,
                                 ehd_error *error) {
     const size_t num_points = set->num_points, num_branches = count_branches(num_points);

@@ -33,12 +33,12 @@ typedef struct training_set {
     ehd_contact *contacts; // [num_points], in the order of the plan
     size_t *numbers;       // [num_points], numbers of the points in the plan
     size_t *groups;        // [num_points], group of each point in the plan
-    bool *estimated;       // [num_points], whether the error of the grid is estimated
+    bool *estimated;       // [num_points], whether the error due to the grid is estimated
     size_t *parent;        // [num_points], point that each point starts from; NO_PARENT: cold start
     size_t *order;         // [num_points], parents first (tree_order)
     size_t num_trajectories;
     trajectory_scene *trajectories; // [num_trajectories], in the order of the plan
-    size_t num_dropped;             // points of the plan outside of its `where` bounds
+    size_t num_dropped;             // number of points of the plan outside of its `where` bounds
 } training_set;
 
 /* Makes the contacts of a plan, and a tree that connects neighbouring points. The solution of each

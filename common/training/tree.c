@@ -27,8 +27,8 @@ double tree_distance(const tree_point *left, const tree_point *right,
     return distance;
 }
 
-/* Returns the point to add next: the point nearest to its tree or, if no tree can grow, the root
- * with the least effort of a cold start. */
+/* Returns the point to add next: the point nearest to its tree or, if no tree can grow, the point
+ * with the least effort of a cold start, as the root of a new tree. */
 static size_t next_point(const tree_point *points, size_t num_points, const bool *added,
                          const double *nearest) {
     size_t best = NO_PARENT;
@@ -114,7 +114,7 @@ ehd_status tree_walk(size_t *walk, const size_t *parent, size_t num_points, ehd_
 
     for (size_t i = 0; i < num_points; i++)
         first[i] = NO_PARENT;
-    for (size_t i = num_points; i-- > 0;) { // backwards, so that each list ends up forwards
+    for (size_t i = num_points; i-- > 0;) { // backwards, so that each list is ascending
         size_t *list = parent[i] == NO_PARENT ? &root : &first[parent[i]];
         sibling[i] = *list;
         *list = i;

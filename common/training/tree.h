@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes the order in which points are solved: each point starts from a neighbour that is solved
- * before. The trees are minimum spanning trees (Prim's method).
+/* Computes the order in which points are solved: the solution of each point starts from a neighbour
+ * that is solved before it. The trees are minimum spanning trees (Prim's method).
  * Called by training_set.c and between.c, and by adaptive.c and point_choice.c of snapgen. */
 #ifndef EHD_TREE_H
 #define EHD_TREE_H
@@ -43,8 +43,8 @@ ehd_status tree_order(
     // input:
     const size_t *parent, size_t num_points, ehd_error *error);
 
-/* Lists the points depth first, with children in the order of their numbers. A piece of this list
- * is a few connected branches. Errors: EHD_MEMORY. */
+/* Lists the points depth first, with children in the order of their numbers. A contiguous piece of
+ * this list consists of a few connected branches. Errors: EHD_MEMORY. */
 ehd_status tree_walk(
     // output:
     size_t *walk, // [num_points]

@@ -51,8 +51,8 @@ ehd_status accuracy_choose(accuracy_choice *choice, const trade_table *table, do
     const trade_position *most_accurate = &table->positions[best];
     trade_name(sizes, &most_accurate->sizes);
     choice->most_accurate = most_accurate->sizes;
-    // each step has its own error estimate, which may be smaller than the estimates in the
-    // calibration
+    // this is no error: each time step has its own error estimate, which may be smaller than the
+    // estimates in the calibration
     if (chosen == table->num_positions && in_time && most_accurate->factor_in_time > 0) {
         choice->fastest = most_accurate->sizes;
         snprintf(choice->note, sizeof choice->note,

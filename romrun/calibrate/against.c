@@ -23,8 +23,8 @@ typedef struct stencil {
     double weights[4];
 } stencil;
 
-/* Returns the weights of Lagrange's polynomial through the nodes around `place`. `place` is
- * measured in steps from the first of `num_nodes` nodes. */
+/* Returns the weights of Lagrange's polynomial through the nodes around `place`. `place` is the
+ * distance from the first of `num_nodes` nodes, in grid steps. */
 static stencil stencil_at(double place, size_t num_nodes) {
     const size_t count = num_nodes < 4 ? num_nodes : 4;
     const double last = (double)(num_nodes - count);
@@ -39,8 +39,8 @@ static stencil stencil_at(double place, size_t num_nodes) {
     return self;
 }
 
-/* Returns the distance of a coordinate from the first node of an axis, in steps. If the coordinate
- * differs from a node only by round-off, returns the distance of this node. */
+/* Returns the distance of a coordinate from the first node of an axis, in grid steps. If the
+ * coordinate differs from a node only by round-off, returns the distance of this node. */
 static double place_of(double coordinate, double first, double step) {
     const double place = (coordinate - first) / step, nearest = round(place);
 
@@ -80,8 +80,8 @@ double against_difference(const double *nodes, const ehd_grid *grid, const doubl
     return largest;
 }
 
-/* Checks whether both grids have equal nodes. If `other` has only first node and step, and no
- * number of nodes, compares only first node and step. */
+/* Checks whether both grids have equal nodes. If the number of nodes of `other` is not known,
+ * compares only the first node and the grid step. */
 static bool same_nodes(const ehd_grid *grid, const ehd_grid *other) {
     ehd_grid like = *other;
 
@@ -122,8 +122,8 @@ static void print_heading(const char *path, const ehd_grid *grid, const ehd_grid
 ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure,
                          flow_thinning thinning, const ehd_grid *grid, const char *path,
                          const ehd_contact *contact, ehd_error *error) {
-    // Relative tolerance of the conditions. Scenes are written with this many digits (reduced.bats,
-    // "--against prints the deviations").
+    // Relative tolerance of M, alpha p_H, p_H and both thinnings. Scenes are written with this many
+    // digits (reduced.bats, "--against prints the deviations").
     const double slack = 1e-6;
     const ehd_status status = grid_check_shape(grid, path, &contact->grid, "the scene", error);
 
@@ -171,9 +171,9 @@ void against_print(const run_result *result, const stored_result *stored, const 
 
 // ---- over time
 
-/* Relative deviation of one quantity between two runs. It is taken at those times of the first run
- * that lie in the time span of the second run. If the times differ, a cubic spline interpolates the
- * second run. */
+/* Relative deviation of one quantity between two runs. It is evaluated at those time points of the
+ * first run that lie in the time span of the second run. If the second run lacks a time point, a
+ * cubic spline interpolates it. */
 typedef struct time_deviation {
     double largest; // relative
     double at;      // time T of the largest deviation
@@ -181,12 +181,12 @@ typedef struct time_deviation {
     double sum, length;
 } time_deviation;
 
-/* Returns a value of the second run at a time. `near`: index of the spline interval, which is input
- * and output. */
+/* Returns a value of the second run at a time. *near: index of the spline interval at which the
+ * search begins; becomes the index of the interval found. */
 static double value_at(double time, const double *other_time, const double *other_values,
                        const spline *between, size_t *near) {
     *near = spline_interval(between, time, *near);
-    // does not interpolate if the times are equal, as with fixed steps
+    // does not interpolate if the second run has this time point, as with equal fixed time steps
     for (size_t i = *near; i <= *near + 1; i++)
         if (fabs(time - other_time[i]) <= ROUNDING * fmax(fabs(time), 1)) return other_values[i];
     return spline_value(between, time, *near);
@@ -242,7 +242,7 @@ static bool next_period(contact_period *period, const double *sign, size_t count
 static ehd_status compare_contacts(time_deviation *deviation, const time_trace *trace,
                                    const double *reduced, const time_series *full,
                                    const double *other, ehd_error *error) {
-    enum { MIN_SPLINE = 3 }; // smallest number of times of the full run for an interpolation
+    enum { MIN_SPLINE = 3 }; // smallest number of time points for an interpolation
     contact_period now = {0, 0}, then = {0, 0};
     bool more = next_period(&now, trace->central_pressure, trace->count) &&
                 next_period(&then, full->load, full->num_times);

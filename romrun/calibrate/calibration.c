@@ -15,12 +15,12 @@
 
 enum { REPEATS = 3 }; // number of solutions of each scene; the time is their median
 
-/* A shear law, and the ratio of the Newtonian stress at P = 0 and H = 1 to the stress of the law,
- * as in deimselect/cubature.c. The friction of each scene is measured for all `slidings`, whatever
- * the scene's own law is. The Eyring fluid of ratio 1e-1 has high stresses in the whole contact.
- * Errors caused by too few nodes, and by exits that are one node off, are largest for this fluid.
- * If the ratio 1e-1 is replaced by 1e-2, the estimates of 2 of 2235 frictions outside of the
- * calibration are only 0.4 times the errors. */
+/* A shear law, and the ratio of the Newtonian stress at P = 0 and H = 1 to the Eyring or limiting
+ * stress of the law, as in deimselect/cubature.c. The friction of each scene is measured for all
+ * `slidings`, whatever the scene's own law is. The Eyring fluid of ratio 1e-1 has high stresses in
+ * the whole contact. Errors caused by too few nodes, and by exits that are one node off, are
+ * largest for this fluid. If the ratio 1e-1 is replaced by 1e-2, the estimates of 2 of 2235
+ * frictions outside of the calibration are only 0.4 times the errors. */
 typedef struct sliding {
     const lubricant_law *law;
     double ratio;
@@ -53,10 +53,10 @@ typedef struct samples {
     bool exits_are_nodes;
     double *deviation[NUM_TRADE_QUANTITIES]; // [count]
     double *bound, *bound_minimum;           // [count] bounds of the central and minimum film
-    double *indicated;                       // [count + failures] the larger estimate of both films
+    double *indicated;                       // [count + failures] the larger of both film estimates
     double *effectivity;                // [count] estimate/error, the smaller ratio of both films
     double *off[NUM_INDICATED];         // [count] deviations of the other quantities
-    double *other_bound[NUM_INDICATED]; // [count]
+    double *other_bound[NUM_INDICATED]; // [count] bounds of the other quantities
     double *friction_off, *friction_bound; // [num_frictions]
     size_t num_frictions;                  // 0 if the model has no traction nodes
     double *seconds;                       // [count * REPEATS]
@@ -128,8 +128,8 @@ static double relative(double reduced, double full) {
     return fabs(reduced / full - 1);
 }
 
-/* Stores the errors of the other quantities. Compares films only where the full model has
- * pressure. */
+/* Stores the errors of the quantities of indicated.h except friction. Compares films only where the
+ * full model has pressure. */
 static void add_others(samples *self, const contact_scalars *reduced, const solved_scene *solved) {
     const contact_scalars *full = &solved->scalars;
     const ehd_grid *grid = &solved->contact->grid;
@@ -378,7 +378,7 @@ static ehd_status repeat(bool *lost, repetition *sum, step_samples *steps,
         if (status || outcome.status) break;
         const film_bounds bounds = reduced_march_bounds(reduced);
         add_step(&here, steps, &outcome, &bounds, &wanted->steps[i], wanted->reference);
-        if (i == 0) continue; // the start is not a step
+        if (i == 0) continue; // the start is not a time step
         here.seconds += seconds;
         here.iterations += (double)outcome.iterations;
         here.num_steps++;

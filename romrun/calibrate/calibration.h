@@ -16,8 +16,8 @@ typedef struct solved_scene {
 } solved_scene;
 
 /* Measures errors and time on stationary scenes. Solves each scene several times on one thread, as
- * romrun does. `model` is opened with the sizes of the position. Errors: those of online_solve;
- * EHD_INTERRUPTED, with an empty text. */
+ * romrun does. `model` is opened with the model size position->sizes. Errors: those of
+ * online_solve; EHD_INTERRUPTED, with an empty text. */
 ehd_status calibration_measure(
     // output:
     trade_position *position, // only the members for scenes are set

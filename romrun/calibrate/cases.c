@@ -100,8 +100,8 @@ static ehd_status make_contact(ehd_contact *contact, bool *with_effects, const b
     return status == EHD_DATA ? case_list_fail(self->list, texts->line, error) : status;
 }
 
-/* Adds the traction of a scene to a row if its surfaces slide. Models of earlier versions have no
- * traction nodes. */
+/* Adds the traction of a scene to a row if its surfaces slide. The values are NaN for models of
+ * earlier versions, which have no traction nodes. */
 static void add_traction(case_row *row, contact_traction found, online_solver *solver,
                          const ehd_contact *contact) {
     if (!contact_has_traction(contact)) return;

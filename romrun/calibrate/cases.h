@@ -24,7 +24,7 @@ typedef struct cases_task {
 
 typedef struct cases_summary {
     size_t num_cases, num_unsolved, num_untrusted;
-    size_t first;      // line of the first case with the worst status; 0: all cases are trusted
+    size_t first;      // line, in the list, of the first case with the worst status; 0: all trusted
     size_t num_solved; // number of cases solved by this run
     double seconds;    // elapsed time of these cases
 } cases_summary;

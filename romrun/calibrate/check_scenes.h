@@ -13,7 +13,7 @@
 size_t check_scenes_count(size_t num_trained, const training_set *set);
 
 /* Chooses stationary scenes and trajectories on the grid of the model. Each lies half-way between
- * two neighbours of the training (between.h) and inside of the trained range, and none is a
+ * two neighbouring training points (between.h) and inside of the trained range, and none is a
  * training point.
  *
  * - Stationary scenes: half as many as training points, at least 10, and at most 30 for each pair

@@ -13,7 +13,7 @@
 /* Solution of the full model. */
 typedef struct fallback {
     full_state state;
-    full_info info;    // info of that solution whose time is the median
+    full_info info;    // info of the solution with the median time
     bool from_reduced; // true: started from the reduced solution; false: cold start
     double *exits;     // [lines of the whole grid] X of the exit
     ehd_status status; // outcome of full_judge: EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED

@@ -14,8 +14,8 @@
 typedef struct standing {
     double full;        // 1 while the full model takes the steps, else 0
     double full_states; // 1 if the last accepted states are in the full model, else 0
-    // pause: number of full steps between two tries of the reduced model; left: number of full
-    // steps until the next try
+    // pause: number of full steps between two attempts to return to the reduced model; left: number
+    // of full steps until the next attempt to return
     double pause, left;
     double held; // number of reduced steps since the last return to the reduced model
     // numbers of Newton iterations. useful: of accepted steps; wasted: of attempts that were not
@@ -38,13 +38,14 @@ struct fallback_march {
     march_solver of_reduced, of_full;
     standing now;
     char reason[MARCH_REASON]; // reason of the first full step
-    // state of the attempted step:
+    // outcome of the attempted step:
     bool by_full;      // the full model solved the step
-    bool tried;        // the reduced model has taken over the full model's states
+    bool tried;        // the reduced model was tried after the full model (try_to_return)
     bool returns;      // the reduced model takes the next steps
     const char *doubt; // why the reduced model does not take the step
-    bool base_taken;   // the reduced model has taken over the full model's base
-                       // (common/time/README.md, Along the path)
+    // the reduced model already has the full model's base: the initial film, relative to which
+    // states are carried along the path (common/time/README.md, Along the path)
+    bool base_taken;
     hand_over work;
 };
 
@@ -103,7 +104,8 @@ static ehd_status to_full(fallback_march *self, ehd_error *error) {
                                false, &self->work, error);
 }
 
-/* Returns the frame of a full state, scaled by the load of its solution. */
+/* Returns the frame of the full state that is `steps` time steps before the attempted step, scaled
+ * by the load of its solution. */
 static contact_frame load_frame(const fallback_march *self, size_t steps) {
     const bdf_march *full = full_march_steps(self->full);
 
@@ -113,8 +115,8 @@ static contact_frame load_frame(const fallback_march *self, size_t steps) {
 /* Returns the largest difference between the films of a reduced and a full state, divided by the
  * larger of the full film and the central film. Returns infinity if a film is not a number.
  * Compares all nodes before the exits of the full state, even nodes without pressure, because the
- * fluid carries their film on. `steps`: number of time steps between both states and the attempted
- * step. */
+ * fluid carries their film downstream. `steps`: number of time steps from both states to the
+ * attempted step. */
 static double deviation(fallback_march *self, reduced_march *part, size_t steps,
                         double central_film) {
     const ehd_grid *grid = &self->reference.grid;
@@ -214,7 +216,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
         if (!outcome->status) return EHD_OK;
     }
     begun = program_seconds();
-    if (isnan(self->now.since)) { // `since` is not NaN if the contact was lost and found again
+    if (isnan(self->now.since)) { // `since` may be set: the bodies were apart and touch again
         snprintf(self->reason, sizeof self->reason, "%s",
                  self->distrust ? self->distrust : outcome->reason);
         self->now.since = frame->time;
@@ -326,8 +328,8 @@ static void restart(void *solver) {
     if (self->now.full != 1) self->of_reduced.restart(self->of_reduced.self);
 }
 
-/* Finds the lightest contact with the full model, which can solve lighter contacts than the
- * training has. */
+/* Lets the full model find the lightest contact, because it can solve lighter contacts than those
+ * of the training. */
 static ehd_status touching(double *approach, double *load, void *solver, const contact_frame *frame,
                            ehd_error *error) {
     const fallback_march *self = solver;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* romrun --fallback full in time. The reduced model takes a step if this step is trusted. Otherwise
- * the full model takes the step from the same states. It also takes the next steps until the
- * reduced model is trusted again (README.md, Fallback).
+/* romrun --fallback full in time. The reduced model takes a time step if this step is trusted.
+ * Otherwise the full model takes the step from the last accepted states. It also takes the next
+ * steps until the reduced model is trusted again (README.md, Fallback).
  * Called by romrun/main.c. */
 #ifndef EHD_FALLBACK_MARCH_H
 #define EHD_FALLBACK_MARCH_H
@@ -29,8 +29,8 @@ fallback_march *fallback_march_free(fallback_march *self); // accepts and return
 /* Returns the march as a solver for march_run. */
 march_solver fallback_march_solver(fallback_march *self);
 
-/* The first function returns the share of the full model in the march. The second returns the time
- * of both models in seconds. Both are used for time_run. */
+/* Return the contribution of the full model to the march, and the seconds that both models together
+ * have spent on parts of the work. For `share` and `effort` of time_run_task. */
 time_run_share fallback_march_share(const void *solver);
 void fallback_march_effort(double *rows, double *linear, double *exit, const void *solver);
 

@@ -79,7 +79,7 @@ static ehd_status record_trajectory(void *shared, void *worker, size_t number, s
     trajectory_run self = {.target = &owner->recordings[number]};
     (void)worker, (void)parent;
 
-    settings.tolerance = 1e-12; // tolerance of the training
+    settings.tolerance = 1e-12; // tolerance of the solutions that models are trained on
     self.target->reference = &given->contact;
     ehd_status status = full_march_create(&full, &given->contact, &settings,
                                           given->scene.transient.start_film, error);

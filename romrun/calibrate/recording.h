@@ -12,11 +12,11 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* An accepted step. */
+/* An accepted time step. */
 typedef struct recorded_step {
     contact_frame frame;      // frame of the solution
     contact_frame load_frame; // frame scaled by the load of the solution
-    double step;              // length of the step; 0 at the start
+    double step;              // length of the time step; 0 at the start
     bool jump;                // true: the conditions jump after this step
     contact_scalars scalars;  // scalars in the reference frame
 } recorded_step;

@@ -29,12 +29,12 @@ typedef struct step_samples {
  * 0.75e-3. */
 extern const double time_margin;
 
-/* Fits factors and floors such that the estimate of each step is at least time_margin times its
- * error. With a floor of 0, a single step whose bound is lost in noise would decide the factor. The
- * fit therefore takes the floor that minimises the mean, over the trajectories, of the largest
- * estimate of each trajectory. With this floor it takes the smallest factor, at least time_margin.
- * If a floor of 0 and the factor time_margin suffice for the central film, the floor stays 0.
- * Without steps all factors and floors are 0.
+/* Fits the factors and floors of the estimates, which film_factors defines. The estimate of each
+ * step becomes at least time_margin times its error. With a floor of 0, a single step with a bound
+ * near zero would decide the factor. The fit therefore takes the floor that minimises the mean,
+ * over the trajectories, of the largest estimate of each trajectory. With this floor it takes the
+ * smallest factor, at least time_margin. If a floor of 0 and the factor time_margin suffice for the
+ * central film, the floor stays 0. Without steps all factors and floors are 0.
  *
  * A floor is at least time_margin times the error that 95 % of the steps do not exceed. With
  * smaller floors and a margin of 2, 3 of 106 steps of tests/pipeline/calibrate.bats, "step by

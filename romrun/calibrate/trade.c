@@ -129,9 +129,10 @@ static size_t smallest_bound(const ratios *self) {
     return smallest;
 }
 
-/* Returns the best straight line above the ratios, as a function of the bound. The candidates are
- * the edges of the ratios' upper hull, and the constant largest ratio. The hull begins at a bound
- * of zero with the ratio of the scene with the smallest bound, and ends at the largest ratio. */
+/* Returns the straight line, as a function of the bound, that lies above the ratios of all scenes
+ * and has the smallest indicated_sum. The candidates are the edges of the upper convex hull of the
+ * points (bound, ratio), and the constant largest ratio. The hull begins at the bound 0, with the
+ * ratio of the scene with the smallest bound. It ends at the largest ratio. */
 static indicator_shape best_line(const ratios *self) {
     indicator_shape best = plain_shape;
     double least = indicated_sum(self, best), bound = 0;
@@ -252,7 +253,7 @@ double trade_part_in_time(const trade_position *position, double deviation) {
     return part;
 }
 
-/* Returns the worst deviation of pressures, in Hertz pressures. */
+/* Returns the largest deviation of pressures over all scenes, in Hertz pressures. */
 static double field_deviation(const trade_table *table, size_t position) {
     return table->positions[position].deviation[TRADE_PRESSURE][TRADE_WORST];
 }

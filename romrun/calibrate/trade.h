@@ -38,7 +38,8 @@ bool trade_is_dominated(const trade_table *table, size_t position, bool in_time)
  * Stationary: candidates have no failures and film deviations of at most `deviation`
  * (trade_price_of). The worst pressure deviation, in Hertz pressures, must be at most
  * trade_pressures_allowed times `deviation`, because false spikes may occur where the films are
- * right. If no candidate has such pressures, the candidate with the best pressures is returned.
+ * right. If no candidate meets this limit, the candidate with the smallest worst pressure deviation
+ * is returned.
  *
  * Transient, with error estimates: the estimates of a candidate are within `deviation` on at least
  * half of the trajectories. This is enough, because the estimates mark the steps that exceed
@@ -97,9 +98,10 @@ double trade_indicator_factor(const double *deviations, const double *bounds, si
 
 /* Fits the dependence of the factor on the bound (romrun/trust/README.md, The factor grows with the
  * bound). The estimate of each scene remains at least trade_margin times its deviation, as with a
- * constant factor. The factor becomes a straight line above the ratios of deviation to bound of all
- * scenes. Of these lines, the fit takes the line with the smallest geometric mean of the estimates.
- * At a bound of zero the line is not below the ratio of the scene with the smallest bound.
+ * constant factor. As a function of the bound, the factor becomes a straight line above the ratios
+ * of deviation to bound of all scenes. Of all such lines, the fit takes the line with the smallest
+ * geometric mean of the estimates. At a bound of zero the line is not below the ratio of the scene
+ * with the smallest bound.
  *
  * `with_offset`: the function also fits an offset plus a multiple of the bound, and the estimate is
  * the smaller value of both fits. This fit too minimises the geometric mean of the estimates.

@@ -136,8 +136,8 @@ static void put_variables(FILE *file, const fmu_contents *contents, int fmi) {
     fputs("  </ModelVariables>\n", file);
 }
 
-/* Lists all outputs. The list names no dependencies, so the default holds: each output depends on
- * all inputs and on the past. */
+/* Lists all outputs. The list names no dependencies, so FMI's default applies: each output depends
+ * on all inputs and on the past. */
 static void put_outputs(FILE *file, const fmu_contents *contents, int fmi, const char *element) {
     size_t index = 0; // index among all variables, from 1
 

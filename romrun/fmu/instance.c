@@ -16,14 +16,14 @@ typedef enum fmu_mode {
     MODE_TERMINATED
 } fmu_mode;
 
-/* Inputs at one time, in the form that the contact takes. */
+/* Inputs at one point in time, in the form that the contact takes. */
 typedef struct conditions {
     double given; // load or approach
     double speed, radius;
     double sliding; // speed of surface 1 minus speed of surface 2
 } conditions;
 
-/* Data of a saved state that the contact itself does not save. */
+/* State of the instance at one point in time, without the numbers that ehdrom_state_save saves. */
 typedef struct moment {
     char mark[8];
     char token[FMU_TOKEN];
@@ -49,10 +49,10 @@ struct fmu_instance {
     char *resources; // folder of the resources
     ehdrom_model *model;
     ehdrom_contact *contact;
-    ehdrom_contact *stationary; // for the stationary outputs; NULL: no such output was read yet
+    ehdrom_contact *stationary; // contact for the stationary outputs; NULL: not needed yet
     bool has_stationary;        // the stationary outputs are up to date
-    bool slid;                  // the traction belongs to the present outputs
-    void *before;               // saved state before a step
+    bool slid;                  // the traction outputs are up to date
+    void *before;               // saved state before the last communication step
     moment now;
 };
 
@@ -272,7 +272,7 @@ static ehdrom_conditions for_library(const fmu_instance *self, const conditions 
     return whole;
 }
 
-/* Repeats the last step (or the start) from the same state with other inputs. */
+/* Repeats the last internal step, or the start if there was no step, with the inputs `at`. */
 static ehdrom_status repeat(fmu_instance *self, const conditions *at, ehdrom_result *result) {
     const ehdrom_conditions whole = for_library(self, at);
 
@@ -316,7 +316,7 @@ static void tell_trust(const fmu_instance *self, const ehdrom_result *result) {
             ehdrom_contact_error(self->contact));
 }
 
-/* Solves the stationary contact of the inputs, unless the outputs belong to these inputs. */
+/* Solves the stationary contact of the inputs, unless the outputs already belong to them. */
 static bool start(fmu_instance *self) {
     moment *now = &self->now;
     ehdrom_result result = EHDROM_RESULT_INIT;
@@ -337,7 +337,8 @@ static bool start(fmu_instance *self) {
 
 // ---- the stationary response
 
-/* Sets parameters and conditions in the stationary contact. The force replaces the approach. */
+/* Sets parameters and conditions in the stationary contact. Its load is the force, even if the
+ * approach is an input. */
 static bool set_stationary(fmu_instance *self, const conditions *at, double force) {
     ehdrom_contact *contact = self->stationary;
     const struct {
@@ -495,7 +496,7 @@ typedef struct stretch {
     double done, part;   // fractions of the communication step: finished, and in the next attempt
     size_t steps, attempts;
     double mark; // value of `done` when the present WATCHED_ATTEMPTS attempts began
-    // about the attempts after `done`:
+    // of the attempts since `done` last increased:
     int halvings;
     double error; // local error of the last attempt, which was twice as long; 0: there was no
                   // attempt, or it did not converge
@@ -518,7 +519,8 @@ static fmu_outcome halve(stretch *of) {
 static bool is_noise(fmu_instance *self, stretch *of, double error, double accuracy) {
     moment *now = &self->now;
 
-    // after a kink of the inputs, halving a step halves its error, so such an error is not noise
+    // halving a step at least halves its error, also after a kink of the inputs, unless the error
+    // is noise
     of->idle = of->error > 0 && error > 0.75 * of->error ? of->idle + 1 : 0;
     of->error = error;
     if (of->idle < 2 && of->part > ldexp(1, -MOST_FOR_ERROR)) return false;
@@ -802,7 +804,8 @@ static bool count_numbers(fmu_instance *self, size_t *count) {
     return took(self, ehdrom_state_size(self->contact, count));
 }
 
-/* A saved state: the moment, followed by the numbers that the contact saves. */
+/* A saved state: the bytes of a struct `moment`, followed, from step mode on, by the numbers of
+ * ehdrom_state_save. */
 typedef struct fmu_state {
     size_t size; // number of bytes
     unsigned char bytes[];
@@ -876,7 +879,7 @@ bool fmu_state_set(fmu_instance *self, void *state) {
     memcpy(&self->now, saved->bytes, sizeof self->now);
     if (has_contact(&self->now)) return restore(self, saved);
     self->has_stationary = self->slid = false;
-    self->now.solved = false; // the contact may be at another time and must be solved again
+    self->now.solved = false; // the contact may be in another state and must be solved again
     return true;
 }
 

@@ -37,7 +37,7 @@ void fmu_free(fmu_instance *self);
 /* Sets whether to log remarks in addition to errors. By default only errors are logged. */
 void fmu_set_verbose(fmu_instance *self, bool verbose);
 
-/* All other functions return true on success; otherwise the log has the reason. */
+/* The bool functions below return true on success; otherwise the log has the reason. */
 
 /* Refuses a call of a function that this FMU does not offer. Returns false. */
 bool fmu_refuse(fmu_instance *self, const char *function);

@@ -17,7 +17,8 @@ typedef struct package_entry {
 
 /* Writes the zip to PATH.partial and renames this file to PATH. The entries are sorted by name and
  * all have the time `when` (UTC; 0: 1980, the earliest time in zips). EHD_CANTCREATE: PATH exists
- * without `force`, or cannot be created; EHD_NOINPUT, EHD_IO: the file of an entry; EHD_MEMORY. */
+ * without `force`, or cannot be created; EHD_NOINPUT: the file of an entry is missing; EHD_IO:
+ * reading or writing fails; EHD_MEMORY. */
 ehd_status package_write(const char *path, package_entry *entries, size_t num_entries, time_t when,
                          bool force, ehd_error *error);
 

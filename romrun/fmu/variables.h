@@ -33,7 +33,7 @@ enum {
     FMU_TRUSTED,
     FMU_ITERATIONS,
     FMU_STEPS,
-    // fixed before the start
+    // parameters, fixed before the start
     FMU_MODULUS,
     FMU_VISCOSITY,
     FMU_PRESSURE_VISCOSITY,
@@ -81,7 +81,7 @@ typedef struct fmu_variable {
 
 extern const fmu_variable fmu_variables[FMU_NUM_VARIABLES];
 
-/* The variables that an FMU has: the file resources/contact.txt. */
+/* Content of the file resources/contact.txt: the variables of an FMU and their start values. */
 enum { FMU_TOKEN = 40 };
 typedef struct fmu_contents {
     char token[FMU_TOKEN]; // text that distinguishes this FMU from all others

@@ -79,12 +79,12 @@ enum {
 
 typedef struct ehdrom_model ehdrom_model;
 
-/* The sizes and the data of a model that are loaded. */
+/* Selects the modes, rows and data of a model that are loaded. */
 typedef struct ehdrom_model_options {
     size_t size;              /* sizeof(ehdrom_model_options) */
     size_t pressure_modes;    /* number of pressure modes, beginning with the first; 0: all modes */
     size_t deformation_modes; /* number of deformation modes; 0: all modes */
-    size_t rows;              /* number of rows; 0: all rows */
+    size_t rows;              /* number of rows (selected equations); 0: all rows */
     int stationary;           /* 1: the data for steps in time are not loaded */
 } ehdrom_model_options;
 #define EHDROM_MODEL_OPTIONS_INIT                                                                  \
@@ -100,7 +100,7 @@ typedef struct ehdrom_model_options {
  * NULL if there is no memory for it, or if the processor lacks instructions that the library was
  * built with (EHDROM_INTERNAL). EHDROM_DATA: the file is no model, or it is in HDF5 and
  * libehdrom-hdf5.so.0 or HDF5 is missing. Checksums are checked unless the environment variable
- * EHDROM_DIGEST is `no`; for a flat model this takes half of the time of opening it. */
+ * EHDROM_DIGEST is `no`. The check takes half of the time of opening a flat model. */
 EHDROM_API ehdrom_status ehdrom_model_open(ehdrom_model **model, const char *path,
                                            const ehdrom_model_options *options);
 /* Closes a model. Accepts NULL. Free the model's contacts before. */
@@ -115,17 +115,19 @@ typedef struct ehdrom_model_info {
      * models on different grids, num_x, num_y, x_min and step are those of the grid with the most
      * nodes. */
     size_t num_x, num_y;
-    double x_min, y_min; /* first node, half widths */
-    double step;         /* distance of nodes along x, half widths; along y: times (b/a)^(-1/3) */
+    double x_min, y_min; /* position of the first node, half widths */
+    double step;         /* node distance along x, half widths; along y: this times (b/a)^(-1/3) */
     size_t pressure_modes, deformation_modes, unknowns, rows, states;
-    int checked;         /* 1: results have error estimates, since these sizes were checked */
-    int checked_in_time; /* 1: these sizes were also checked on trajectories */
+    int checked;         /* 1: results have error estimates, since the model was checked with these
+                            numbers of modes and rows */
+    int checked_in_time; /* 1: the model was also checked on trajectories */
     int in_time;         /* 1: loaded for steps in time. Always 0 for a list of models on different
                             grids, which only line contacts may have */
     double ellipticity;  /* b/a, half width across over half width along; 1 for a line or point
                             contact */
-    size_t parts; /* number of models in a list; 1 for a single model. The sizes above are those of
-                     the largest model; `states` is the sum over all models */
+    size_t parts;        /* number of models in a list; 1 for a single model. The numbers of modes,
+                            unknowns and rows are those of the model with the most unknowns;
+                            `states` is the sum over all models */
 } ehdrom_model_info;
 #define EHDROM_MODEL_INFO_INIT                                                                     \
     { sizeof(ehdrom_model_info), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
@@ -139,8 +141,8 @@ EHDROM_API ehdrom_status ehdrom_model_describe(const ehdrom_model *model, ehdrom
 typedef struct ehdrom_contact ehdrom_contact;
 
 /* Creates a contact. It has only the settings that are taken from the model: the kind of contact
- * and the discretisation. For an ellipse the model's ellipticity holds if neither "ellipticity" nor
- * "physical.radius_across" is set; another ellipticity gives EHDROM_DATA. Free *contact in any
+ * and the discretisation. For an ellipse the model's ellipticity is used if neither "ellipticity"
+ * nor "physical.radius_across" is set; another ellipticity gives EHDROM_DATA. Free *contact in any
  * case; after an error it holds the text for ehdrom_contact_error. The model must outlive the
  * contact. */
 EHDROM_API ehdrom_status ehdrom_contact_create(ehdrom_contact **contact, const ehdrom_model *model);
@@ -171,7 +173,7 @@ enum {
     EHDROM_SI = 0,
     /* Quantities are divided by scales: film and approach by a^2/R, pressure by p_H, length by a,
      * load by the load in the settings, time by a/u, and speed, radius and modulus by their values
-     * in the settings. If a scene gives moes.M and moes.L, it has only these units. */
+     * in the settings. A scene with moes.M and moes.L has only dimensionless quantities. */
     EHDROM_DIMENSIONLESS = 1
 };
 EHDROM_API ehdrom_status ehdrom_contact_set_units(ehdrom_contact *contact, int units);
@@ -185,9 +187,9 @@ EHDROM_API ehdrom_status ehdrom_contact_set_accuracy(ehdrom_contact *contact, do
 /* Sets the tolerance of ehdrom_solve; default 1e-8. The iteration ends when the next iteration is
  * expected to change the central film by less than this fraction. */
 EHDROM_API ehdrom_status ehdrom_contact_set_tolerance(ehdrom_contact *contact, double tolerance);
-/* Sets the relative error of the central film that all steps together may cause. The tolerance of a
- * step's iterations is a tenth of the step's share of this error. By default the tolerance of the
- * iterations is that of ehdrom_solve. */
+/* Sets the relative error of the central film that all time steps together may cause. With
+ * transport along the path, the iterations of a step then have a tolerance of a tenth of the error
+ * that is allowed for this step. Otherwise they have the default tolerance of ehdrom_solve. */
 EHDROM_API ehdrom_status ehdrom_contact_set_step_tolerance(ehdrom_contact *contact,
                                                            double tolerance);
 
@@ -216,9 +218,10 @@ typedef struct ehdrom_result {
     int trusted;          /* 1 with EHDROM_OK */
     double time;          /* s; 0 for a stationary solution */
     double load;          /* N/m or N, force between the bodies */
-    /* m, H0 a^2/R: distance of the undeformed bodies from touching. For a line contact the approach
-     * is relative to a point. The point lies at 1 half width for ehdrom_solve, and at
-     * approach_length half widths (10 unless set) in time. */
+    /* m, H0 a^2/R: gap between the undeformed bodies at the centre, negative if they overlap. In a
+     * line contact deflections, and thereby the approach, are relative to a point. The point lies
+     * at 1 half width for ehdrom_solve, and at approach_length half widths (10 unless set) for
+     * steps in time. */
     double approach;
     double central_film_thickness; /* m */
     double minimum_film_thickness; /* m */
@@ -230,8 +233,8 @@ typedef struct ehdrom_result {
      * grid and steps; NaN: the model was not checked for this regime. */
     double indicated_deviation, indicated_deviation_minimum;
     /* Local error of this step, relative to the central film; 0: the error is not known yet. With
-     * transport along the path, the value of a step shorter than the grid's step is this step's
-     * share of the error of a longer step. */
+     * transport along the path, a short step may be computed as the end of a longer step. The value
+     * is then this step's share of the error of the longer step. */
     double local_error;
     double residual; /* of the reduced equations */
     size_t iterations;
@@ -265,12 +268,13 @@ EHDROM_API ehdrom_status ehdrom_solve(ehdrom_contact *contact, ehdrom_result *re
  * previous steps, use BDF1. The settings are the reference: a condition that is not given keeps the
  * value in the settings.
  *
- * The approach of a line contact is measured from approach_length half widths (10 unless set). If
- * the approach is given, approach_length must be at least half of the grid's length.
+ * The approach of a line contact is relative to a point at approach_length half widths (10 unless
+ * set). If the approach is given, approach_length must be at least half of the grid's length.
  *
- * If the approach is given, the bodies may separate: the load is then 0 and the film is the gap
- * between them. The result is untrusted if the neglected load may exceed 1 % of the reference load.
- * With a given load of 0 the bodies are apart too, and the film is NaN. */
+ * If the approach is given, the bodies may separate. Their force is then neglected: the load is 0,
+ * and the film is the gap between the bodies. The result is untrusted if the neglected force may
+ * exceed 1 % of the reference load. With a given load of 0 the bodies are apart too, and the film
+ * is NaN. */
 
 enum {
     EHDROM_LOAD = 1,
@@ -309,16 +313,16 @@ EHDROM_API ehdrom_status ehdrom_step(ehdrom_contact *contact, const ehdrom_condi
 EHDROM_API ehdrom_status ehdrom_step_many(ehdrom_contact *const *contacts,
                                           const ehdrom_conditions *conditions, double step,
                                           ehdrom_result *results, size_t count);
-/* Accepts the last step. EHDROM_INTERNAL: there is no such step, or it did not converge. */
+/* Accepts the last step. EHDROM_INTERNAL: there is no step to accept, or it did not converge. */
 EHDROM_API ehdrom_status ehdrom_accept(ehdrom_contact *contact);
 /* Makes the next step first order: it uses only the last accepted state. Call it after a jump of
  * the conditions. */
 EHDROM_API ehdrom_status ehdrom_restart(ehdrom_contact *contact);
 
-/* Save and restore the accepted state, in any contact of the same model and settings, even in
- * another process. The following steps are bit-identical. EHDROM_DATA: a wrong number of
- * doubles, no saved state, or a state of other settings; the contact must then be started or
- * restored anew. */
+/* Save the accepted state, and restore it in any contact of the same model and settings, even in
+ * another process. The steps after the restored state are bit-identical. EHDROM_DATA: the number of
+ * doubles is wrong, or they are no saved state or a state of other settings; the contact must then
+ * be started or restored anew. */
 EHDROM_API ehdrom_status ehdrom_state_size(ehdrom_contact *contact, size_t *count);
 EHDROM_API ehdrom_status ehdrom_state_save(ehdrom_contact *contact, double *state, size_t count);
 EHDROM_API ehdrom_status ehdrom_state_restore(ehdrom_contact *contact, const double *state,
@@ -339,9 +343,9 @@ EHDROM_API ehdrom_status ehdrom_state_restore(ehdrom_contact *contact, const dou
 typedef struct ehdrom_derivatives {
     size_t size; /* sizeof(ehdrom_derivatives) */
     double load;
-    /* For a line contact this approach is relative to a point at approach_length half widths (10),
-     * even after ehdrom_solve. The approach in the result of ehdrom_solve is relative to a point at
-     * 1 half width, so differences of results differ from this derivative. */
+    /* For a line contact this approach is relative to a point at approach_length half widths (10
+     * unless set), even after ehdrom_solve. The approach in the result of ehdrom_solve is relative
+     * to a point at 1 half width, so differences of results differ from this derivative. */
     double approach;
     double central_film_thickness;
     double minimum_film_thickness;
@@ -368,9 +372,9 @@ typedef struct ehdrom_derivatives {
  *
  * The derivatives follow from the Jacobian of the reduced equations. The first direction takes the
  * time of about two iterations, further directions half of this time. The contact does not change.
- * EHDROM_DATA: a direction that is not finite, both load and approach, or an approach of a line
- * contact that is measured from within the pressurised zone. EHDROM_INTERNAL: no solution, or a
- * start at rest. EHDROM_NOT_CONVERGED: a derivative is not finite. */
+ * EHDROM_DATA: the direction is not finite, has both load and approach, or has the approach of a
+ * line contact whose approach_length is less than half of the grid's length. EHDROM_INTERNAL: there
+ * is no solution, or a start at rest. EHDROM_NOT_CONVERGED: a derivative is not finite. */
 EHDROM_API ehdrom_status ehdrom_differentiate(ehdrom_contact *contact,
                                               const ehdrom_conditions *direction,
                                               ehdrom_derivatives *derivatives);
@@ -380,7 +384,7 @@ EHDROM_API ehdrom_status ehdrom_differentiate(ehdrom_contact *contact,
 typedef struct ehdrom_response {
     size_t size;      /* sizeof(ehdrom_response) */
     double stiffness; /* -dF/dh, N/m^2 for a line contact, N/m for a point contact */
-    double damping;   /* N s/m^2 or N s/m, by the squeeze term */
+    double damping;   /* N s/m^2 or N s/m, due to the squeeze term */
     /* In the unit of the damping. Effect on the damping of the part of the squeeze term that the
      * modes do not contain. For ten models the error of the damping was 2 to 8 times this value.
      * Modes of line contacts trained in time contain this part. Modes of stationary solutions often

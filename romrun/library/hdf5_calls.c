@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Replaces common/artefact in the library: each function calls the function of the same name in the
- * table. Only one thread at a time may call these functions (library_lock). Before artefact_open
- * has found the table, only artefact_visit, artefact_leave and artefact_close may be called. */
+ * table of hdf5_calls.h. Only one thread at a time may call these functions (library_lock). Before
+ * artefact_open has found the table, only artefact_visit, artefact_leave and artefact_close may be
+ * called. */
 #include "romrun/library/hdf5_calls.h"
 
 static const hdf5_calls *calls; // NULL: the calls were not needed yet, or HDF5 is missing

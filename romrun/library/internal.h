@@ -23,7 +23,7 @@ typedef struct unit_factors {
 
 typedef enum last_call { LAST_NONE, LAST_SOLVED, LAST_IN_TIME } last_call;
 
-/* State to which derivatives belong. */
+/* Solution whose derivatives ehdrom_differentiate computes. */
 typedef enum last_solved { OF_NOTHING, OF_SOLUTION, OF_START, OF_STEP } last_solved;
 
 struct ehdrom_contact {
@@ -62,17 +62,19 @@ struct ehdrom_contact {
 locale_t library_enter(void);
 void library_leave(locale_t before);
 
-/* Begins a call and clears the previous error. EHD_INTERNAL: the contact has no model. */
+/* Public functions for a contact call this first. Clears the previous error. EHD_INTERNAL: there is
+ * no contact, or it has no model. */
 ehd_status library_begin(ehdrom_contact *self);
 
-/* Copies the members that both structs contain to the caller's struct. The first member of
- * `target`, which is its size, stays the same. EHD_DATA: `target` has no size. `what`: name of the
- * struct in the message. */
+/* Copies a struct of `size` bytes to the caller's struct `target`, as far as both structs have the
+ * same members. The first member of `target`, which is its size, stays the same. EHD_DATA: `target`
+ * has no size. `what`: name of the struct in the message. */
 ehd_status library_give(void *target, const void *source, size_t size, const char *what,
                         ehd_error *error);
 
-/* Makes the contact of the settings, and its units. `in_time`: the reference of steps in time,
- * otherwise a stationary contact. EHD_DATA: the settings do not give such a contact. */
+/* Makes the contact that the settings describe, and its units. `in_time`: the reference contact of
+ * steps in time, otherwise a stationary contact. EHD_DATA: the settings do not describe a contact
+ * of this regime. */
 ehd_status library_contact(ehd_contact *contact, unit_factors *units, ehdrom_contact *self,
                            bool in_time, ehd_error *error);
 

@@ -384,8 +384,8 @@ ehdrom_status ehdrom_state_save(ehdrom_contact *self, double *state, size_t coun
     return EHDROM_OK;
 }
 
-/* Restores a state. If the settings are unchanged, reuses the object for steps, since creating a
- * new object takes four fifths of the time. */
+/* Restores a saved state. Creates self->in_time anew only if the settings have changed, because
+ * creating it takes four fifths of the time of a restoration. */
 static ehd_status restore(ehdrom_contact *self, const double *state, size_t count) {
     double head[NUM_SAVED];
     ehd_status status = EHD_OK;
@@ -421,8 +421,8 @@ ehdrom_status ehdrom_state_restore(ehdrom_contact *self, const double *state, si
 
 // ---- fields
 
-/* Returns the scales of the solution that the fields belong to, in the caller's units.
- * EHD_INTERNAL: there is no solution. */
+/* Returns the scales of the last solution or accepted state, in the caller's units. EHD_INTERNAL:
+ * there is no solution. */
 static ehd_status scales_of_fields(unit_factors *scales, const ehdrom_contact *self,
                                    ehd_error *error) {
     if (self->last == LAST_NONE)
@@ -437,8 +437,7 @@ static ehd_status scales_of_fields(unit_factors *scales, const ehdrom_contact *s
     return EHD_OK;
 }
 
-/* Fills the caller's array with NaN behind `num` numbers. The array's length is that of the grid
- * with the most nodes. */
+/* Fills the caller's array of `length` numbers with NaN behind the first `num` numbers. */
 static void fill_behind(double *values, size_t num, size_t length) {
     for (size_t k = num; values && k < length; k++)
         values[k] = NAN;

@@ -44,7 +44,7 @@ static void take_state(ehd_contact *contact, contact_scalars *scalars, const ehd
     } else {
         frame_contact(contact, frame, &self->reference);
         *scalars = frame_from_reference(&of->there, frame, &self->reference);
-        // the scale is the reference's mean speed, because the present mean speed may be 0
+        // speeds are scaled by the reference's mean speed, because the present one may be 0
         contact->far_speed = 1 / frame->half_width;
     }
     contact->grid = *library_grid(self); // a scene may leave the grid to the model
@@ -175,7 +175,8 @@ ehdrom_status ehdrom_slide_step(ehdrom_contact *self, double sliding, ehdrom_tra
 
 // ---- stresses at all nodes
 
-/* Computes both stresses, in units of the Hertz pressure, at the nodes of library_grid. */
+/* Computes the shear stresses on surface 1 and on surface 2, in units of the Hertz pressure, at the
+ * nodes of library_grid. */
 static ehd_status surface_stresses(double *on_1, double *on_2, ehdrom_contact *self,
                                    const slid_state *of, double sliding) {
     ehd_contact contact;

@@ -77,7 +77,8 @@ ehd_status modes_read(double **modes, artefact *file, const char *field, const e
 
 // ---- states
 
-/* Copies the columns first … first + width - 1 of the states' coordinates to or from `part`. */
+/* Copies the coordinates `first` to `first` + `width` - 1 of each state to `part` (`to_part` is 1)
+ * or from `part`. */
 static void copy_coordinates(double *part, const reduced_states *states, size_t first, size_t width,
                              int to_part) {
     for (size_t s = 0; s < states->num_states; s++) {
@@ -121,7 +122,8 @@ static ehd_status get_trajectory_marks(reduced_states *states, artefact *file, i
     return EHD_OK;
 }
 
-/* A member of flow_thinning and its dataset. */
+/* The dataset of a member of flow_thinning: of `gradient` if by_gradient, otherwise of
+ * `sliding`. */
 typedef struct thinning_column {
     const char *field;
     bool by_gradient;
@@ -167,8 +169,8 @@ static ehd_status get_thinning(reduced_states *states, artefact *file, double *w
     return status;
 }
 
-/* Numbers of each state that may be unknown: error estimates of the grid, or lubricant data. Each
- * column of `values` is a dataset. */
+/* Data of the states that may be unknown: estimated errors due to the grid, and rises of viscosity
+ * and density. Each column of `values` is a dataset. */
 typedef struct optional_columns {
     const char *const *names; // [num]
     size_t num;
@@ -243,7 +245,7 @@ ehd_status states_write(artefact *file, const reduced_states *states, size_t num
             status = artefact_put(file, parts[i].field, part, error);
         }
     for (size_t i = 0; i < num_exits && !status; i++)
-        exits[i] = (int64_t)states->exit[exit_index(grid, states, i)] - 1; // x starts at node 1
+        exits[i] = (int64_t)states->exit[exit_index(grid, states, i)] - 1; // x[0] is at column 1
     if (!status) status = artefact_put_integers(file, "state_exit_node", exits, error);
     if (!status) status = artefact_put(file, "state_moes_M", states->moes_M, error);
     if (!status) status = artefact_put(file, "state_alpha_p_H", states->alpha_p_H, error);

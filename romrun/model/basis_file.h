@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads and writes basis.h5 (schemas/basis.md).
  * Called by podbuild, deimselect/main.c and snapgen/residuals.c, and by model_file.c and
- * model_read.c for the data that both kinds of files hold. */
+ * model_read.c for the data that basis files and model files have in common. */
 #ifndef EHD_BASIS_FILE_H
 #define EHD_BASIS_FILE_H
 
@@ -10,7 +10,7 @@
 #include "common/program/program.h"
 #include "romrun/model/reduced_model.h"
 
-/* Data that a basis file stores beside the basis: the singular values of the snapshots. */
+/* Data that a basis file stores in addition to the basis: the singular values of the snapshots. */
 typedef struct basis_origin {
     const double *pressure_singular_values; // [num_pressure_values]
     size_t num_pressure_values;

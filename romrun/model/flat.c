@@ -20,7 +20,7 @@ enum { ALIGNMENT = 64, NAME_BYTES = 48, VERSION = 6, ORDER = 0x01020304 };
 
 static const char magic[8] = {'E', 'H', 'D', 'R', 'O', 'M', 'F', '\n'};
 
-/* The first block of a file. */
+/* Header of the file: its first ALIGNMENT bytes. */
 typedef struct flat_header {
     char magic[8];
     uint32_t version, order; // a reader with another byte order finds a number other than ORDER
@@ -30,7 +30,7 @@ typedef struct flat_header {
 } flat_header;
 _Static_assert(sizeof(flat_header) == ALIGNMENT, "one block");
 
-/* Header of each array. Zeros pad the array's data to whole blocks. */
+/* Header of each array. Zeros pad the data of the array to a multiple of ALIGNMENT bytes. */
 typedef struct block_header {
     char name[NAME_BYTES];
     uint64_t count, size;
@@ -60,7 +60,7 @@ void flat_refuse(flat *self, const char *format, ...) {
 
 // ---- files
 
-/* Computes a checksum. The words are distributed over eight partial sums (lanes). Each step of a
+/* Computes a checksum. The words are distributed over eight partial sums (lanes). Each update of a
  * lane can be inverted, so changing a single word always changes the sum. Eight lanes are fast,
  * because the processor computes different lanes in parallel. */
 static uint64_t checksum_of(const unsigned char *bytes, size_t size) {
@@ -235,7 +235,7 @@ static void *read_block(flat *self, const block_header *expected) {
             (size_t)found.size, (size_t)expected->count, (size_t)expected->size);
         return NULL;
     }
-    size_t bytes; // the padding also fits, because `left` is a whole number of blocks
+    size_t bytes; // the padding also fits, because `left` is a multiple of ALIGNMENT
     if (__builtin_mul_overflow(expected->count, expected->size, &bytes) ||
         bytes > left - sizeof found) {
         flat_refuse(self, "%s: found %zu bytes, expected more", expected->name, left);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Flat files: blocks of numbers in the layout of memory (schemas/flat-model.md). Each block has a
- * name and a length, and begins at a multiple of 64 bytes. The reader maps the file into memory.
- * While a file is in use, another file may take its name, but no program may write into the file
- * itself.
- * Reading and writing share one sequence of calls for an object: each call below either writes the
- * value of its argument, or returns the value in the file.
+/* Writes and reads flat files: blocks of numbers, stored as in memory (schemas/flat-model.md). Each
+ * block has a name and a length, and begins at a multiple of 64 bytes. The reader maps the file
+ * into memory. While a file is in use, another file may take its name, but no program may write
+ * into the file itself.
+ * The same sequence of calls writes and reads an object: each call below either writes the value of
+ * its argument, or returns the value in the file.
  * Called by flat_model.c, by romrun/state, and by online_model.c and part.c in romrun/online. */
 #ifndef EHD_FLAT_H
 #define EHD_FLAT_H
@@ -37,8 +37,8 @@ ehd_status flat_read(flat *self, const char *path, ehd_error *error);
 ehd_status flat_write(flat *self, bool force);
 void flat_free(flat *self);
 
-/* Write or read one value each: a whole number from `least` to `most`, a number, an array of
- * `count` elements of `size` bytes. An array that was read is part of the mapped file. After a
+/* Write or read one value each: a whole number from `least` to `most`, a real number, or an array
+ * of `count` elements of `size` bytes. An array that was read is part of the mapped file. After a
  * failure the functions return `least`, 0 and NULL. */
 size_t flat_whole(flat *self, const char *name, size_t value, size_t least, size_t most);
 double flat_real(flat *self, const char *name, double value);
@@ -51,7 +51,8 @@ double *flat_table(flat *self, const char *name, double *table, size_t rows, siz
 bool flat_good(const flat *self);
 /* Records EHD_DATA with the file's path and a text, unless an earlier call has failed. */
 void flat_refuse(flat *self, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* Records another failure, whose text is already in `error`, unless an earlier call has failed. */
+/* Records the failure `status`, whose text is already in `error`, unless an earlier call has
+ * failed. EHD_OK: records nothing. */
 void flat_fail(flat *self, ehd_status status);
 
 #endif

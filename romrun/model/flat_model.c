@@ -230,8 +230,9 @@ static void walk_shown(flat *file, reduced_model *model) {
     shown->of = flat_array(file, "shown", shown->of, shown->count, sizeof *shown->of);
 }
 
-/* Checks that the nodes of the shift are the needed nodes behind X = 0. Their X may differ by
- * round-off, because reader and writer may have different rounding modes. */
+/* Checks that the nodes of model->shift are the needed nodes behind X = 0. The stored X may differ
+ * from the X of these nodes by round-off, because reader and writer may have different rounding
+ * modes. */
 static void check_shift(flat *file, const reduced_model *model) {
     const start_shift *shift = &model->shift;
     const row_set *rows = &model->rows;

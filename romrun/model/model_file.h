@@ -10,20 +10,25 @@
 #include "romrun/model/reduced_model.h"
 #include "romrun/model/sizes.h"
 
-/* Data that a model file stores beside the model: how its rows were selected and weighted. */
+/* Data that a model file stores in addition to the model: how its rows were selected and
+ * weighted. */
 typedef struct model_origin {
     const char *method;
     const char *basis_identity; // SHA-256 of the basis file
+    // smallest singular values of modes sampled at the rows: of the residuals, of the Jacobian
+    // products, and the smallest of both at any exit of the training
     double sigma_min_residual, sigma_min_jacobian;
     double sigma_min_over_exits;
-    double stability;                // 1/sigma_min at the worst exit; 1 if all rows are selected
+    double stability;                // largest 1/sigma_min of the trained exits; 1: all rows are
+                                     // selected (deimselect/README.md, Stability)
     const double *sigma_min_by_exit; // [num_states]
-    // data for the weights if fewer rows or modes of the model are used; if `weights` is NULL,
-    // these data are not known
+    // data from which the weights are computed if fewer rows or modes of the model are used; if
+    // `weights` is NULL, these data are not known
     const char *weights;          // name of the weighting
     const double *factors;        // [num_rows] factors; row_weight is D times these factors
-    size_t num_jacobian_modes;    // number of modes of the Jacobian products
-    const double *jacobian_modes; // [num_rows, num_jacobian_modes], orthonormal over all rows
+    size_t num_jacobian_modes;    // number of modes of the weighted Jacobian products D J dz
+    const double *jacobian_modes; // [num_rows, num_jacobian_modes] these modes at the selected
+                                  // rows, orthonormal over all rows
 } model_origin;
 
 /* Writes a whole model into a new file. The caller may then add more data to the file. The file
@@ -40,11 +45,11 @@ ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
  * this file even if another file takes its name meanwhile. Errors as artefact_open. */
 ehd_status model_open(artefact **file, const char *path, ehd_error *error);
 
-/* Reads the first modes and rows of a model, without its full bases. `sizes` NULL: reads all modes
- * and rows. If fewer rows or modes than stored are read, new weights of the rows are computed. If
- * the file lacks the data for new weights, the rows keep the weights of the whole model. The rows
- * are then sorted by node. EHD_DATA is returned also for sizes larger than the stored ones and for
- * fewer rows than modes. */
+/* Reads the first modes and rows of a model, as many as `sizes` gives, without its full bases.
+ * `sizes` NULL: reads all modes and rows. If fewer rows or modes than stored are read, new weights
+ * of the rows are computed. If the file lacks the data for new weights, the rows keep the weights
+ * of the whole model. The selected rows of the result are sorted by node. EHD_DATA is returned also
+ * for sizes larger than the stored ones and for fewer rows than pressure modes. */
 ehd_status model_get(
     // output:
     reduced_model *model, // free with reduced_model_free

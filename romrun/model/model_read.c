@@ -15,7 +15,7 @@
 /* Numbers of modes and rows of the stored model. */
 typedef struct stored_sizes {
     size_t pressure, deformation, rows, band;
-    size_t jacobian; // number of modes of the Jacobian products
+    size_t jacobian; // number of modes of the Jacobian products (weighting.h)
 } stored_sizes;
 
 static ehd_status choose_size(size_t *size, size_t wanted, size_t stored, const char *option,
@@ -109,8 +109,8 @@ static ehd_status reweigh(reduced_model *model, artefact *file, const stored_siz
     return status;
 }
 
-/* Computes new weights if only some rows or modes are read, because weights hold only for a list of
- * rows and modes as a whole. */
+/* Computes new weights if only some rows or modes are read, because the weights of a list of rows
+ * and modes do not hold for a part of the list. */
 static ehd_status weigh_part(reduced_model *model, artefact *file, const stored_sizes *stored,
                              ehd_error *error) {
     bool whole = model->rows.num_rows == stored->rows && model->num_pressure == stored->pressure &&
@@ -314,7 +314,7 @@ static ehd_status read_tables(reduced_model *model, artefact *file, const stored
     return status ? status : read_cut(model, file, stored, error);
 }
 
-/* Reads all control rows, for any number of selected rows. */
+/* Reads all control rows, even if only some of the selected rows are read. */
 static ehd_status read_control(reduced_model *model, artefact *file, const stored_sizes *stored,
                                ehd_error *error) {
     row_set *control = &model->control;
@@ -325,8 +325,8 @@ static ehd_status read_control(reduced_model *model, artefact *file, const store
     return status ? status : read_needed(model, control, &control_fields, file, stored, error);
 }
 
-/* Reads the cubature for traction if the file has one. All its nodes are read, for any number of
- * rows and modes. */
+/* Reads the cubature for traction if the file has one. All its nodes are read, even if only some
+ * rows or modes are read. */
 static ehd_status read_cubature(reduced_model *model, artefact *file, const stored_sizes *stored,
                                 ehd_error *error) {
     const traction_fields *fields = &cubature_fields;

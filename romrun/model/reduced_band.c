@@ -54,8 +54,8 @@ static void deflect_state(double *deflections, const reduced_basis *basis, size_
     deflection_apply(deflections, deflection, deflections);
 }
 
-/* Finds the first and the last exit of the training on each grid line. Sets `begin` of the line to
- * the first column of a film minimum on this line or near it. */
+/* Finds the most upstream and the most downstream exit of the training on each grid line. Sets
+ * `begin` of the line to the most upstream column of a film minimum on this line or near it. */
 static void find_extremes(reduced_model *model, const reduced_basis *basis,
                           ehd_deflection *deflection, double *work) {
     const reduced_states *states = &basis->states;
@@ -85,8 +85,8 @@ static void find_extremes(reduced_model *model, const reduced_basis *basis,
     }
 }
 
-/* Widens the range of the exit on each grid line by the margin. Before this range it leaves space
- * for the stencil of a row. */
+/* Widens the range of the exits on each grid line by EXIT_MARGIN or LINES_MARGIN. Upstream of this
+ * range it leaves space for the stencil of a row. */
 static void widen_exits(reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     size_t margin =
@@ -108,9 +108,9 @@ static void widen_exits(reduced_model *model) {
     }
 }
 
-/* Sets the columns of the band on each grid line. The band begins before the first film minimum,
- * and before the first node needed by rows at the exits of this and the neighbouring grid lines.
- * The band ends behind the last of these exits. */
+/* Sets the columns of the band on each grid line. The band begins upstream of all film minima on or
+ * near this line, and upstream of all nodes that the rows at the exits of this and the neighbouring
+ * grid lines need. It ends downstream of all these exits. */
 static void set_band(reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     const size_t width = grid_width(grid), ahead = reynolds_reach_ahead(grid);

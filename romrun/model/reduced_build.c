@@ -14,8 +14,8 @@ static bool is_before_band(const reduced_model *model, size_t node) {
            model->band.lines[reduced_model_line(model, node)].begin;
 }
 
-/* Computes deflections of the pressure modes cut at the beginning of the band, [num_nodes,
- * num_pressure]. */
+/* Computes the deflections, [num_nodes, num_pressure], that the pressure modes cause if they are
+ * set to zero from the beginning of the band on. */
 static void deflect_modes(double *coupled, const reduced_model *model, const reduced_basis *basis,
                           ehd_deflection *deflection, double *work) {
     size_t num_nodes = basis->grid.num_nodes, num_pressure = basis->num_pressure;
@@ -39,7 +39,7 @@ static double *gather_rows(arena *memory, const double *source, const size_t *no
     return target;
 }
 
-/* Copies the rows at the band's nodes, one grid line after another. */
+/* Copies the rows of a node-major matrix at the band's nodes, one grid line after another. */
 static double *gather_band(reduced_model *model, const double *source, size_t width) {
     double *target = arena_array(&model->memory, model->band.num_nodes * width, sizeof(double));
 

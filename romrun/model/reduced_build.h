@@ -9,8 +9,8 @@
 #include "common/physics/deflection.h"
 #include "romrun/model/reduced_model.h"
 
-/* Sets the band. On each grid line it begins before the first film minimum in training and ends
- * behind the last exit in training. Errors: EHD_MEMORY. */
+/* Sets the band. On each grid line the band begins upstream of all film minima in training and ends
+ * downstream of all exits in training. Errors: EHD_MEMORY. */
 ehd_status reduced_model_find_band(
     // in and out:
     reduced_model *model,

@@ -97,7 +97,7 @@ static size_t exit_distance(const reduced_model *model, const size_t *a, const s
     return sum;
 }
 
-/* Returns the nearest one of the first `count` checkpoints to an exit line. */
+/* Returns, of the first `count` checkpoints, the checkpoint that is nearest to an exit line. */
 static size_t nearest_checkpoint(const reduced_model *model, const size_t *exit, size_t count) {
     size_t best = 0, smallest = SIZE_MAX;
 
@@ -133,7 +133,7 @@ static ehd_status space_checkpoints(reduced_model *model, ehd_error *error) {
 
 /* Chooses the checkpoints of a point contact among the exit lines in training. Each new checkpoint
  * is the exit line that is farthest from the checkpoints chosen before (farthest-point sampling).
- * This ends when no exit line is left or CHECKPOINT_MEMORY is used. */
+ * The choice ends when all these exit lines are checkpoints or CHECKPOINT_MEMORY is used. */
 static ehd_status spread_checkpoints(reduced_model *model, ehd_error *error) {
     const reduced_states *states = &model->states;
     size_t table =

@@ -11,7 +11,7 @@
 /* A run: the neighbouring nodes of a grid line that lie between two exit lines. All these nodes are
  * in the band. */
 typedef struct cut_run {
-    size_t first, count; // indices in the band
+    size_t first, count; // index of the first node in the band, and number of nodes
     size_t line, column; // line and column of the first node
     double sign;         // 1: these nodes get pressure; -1: these nodes lose their pressure
 } cut_run;

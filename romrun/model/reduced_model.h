@@ -97,7 +97,8 @@ ehd_status reduced_check_num_rows(size_t num_rows, size_t num_pressure, size_t n
  * all nodes of the rows' stencils. */
 typedef struct row_set {
     size_t num_rows;
-    size_t *node;               // [num_rows] grid nodes, in order of selection
+    size_t *node;               // [num_rows] grid nodes, in order of selection; model_get sorts the
+                                // selected rows by node
     double *weight;             // [num_rows] D of the test basis, times the row's quadrature factor
     reynolds_stencil *stencils; // [num_rows] stencils whose nodes are indices in needed_node
     size_t num_needed;
@@ -126,7 +127,7 @@ typedef struct band_line {
 /* The band: the range of nodes in which the film minima and the exits lie. For a line contact the
  * band has one line, whose columns are the nodes of the grid. */
 typedef struct exit_band {
-    size_t num_lines;                   // lines of the grid
+    size_t num_lines;                   // number of grid lines
     band_line *lines;                   // [num_lines]
     size_t num_nodes;                   // number of the band's nodes on all lines
     size_t first_minimum, last_minimum; // first and last line with film minima of the training
@@ -181,7 +182,7 @@ typedef struct node_cubature {
                       // num_needed 0: no cubature. A model of thinned flows also has the neighbours
                       // of these nodes along X, with weights of 0, for the pressure gradient
     double *friction; // [num_needed] weights of int tau over the nodes with pressure, not negative
-    double *dry;      // [num_needed] weights of the mean |tau| of the dry contact, not negative
+    double *dry;      // [num_needed] weights of the mean of |tau| in the dry contact, not negative
     double *moment;   // [num_pressure] int P X of the modes cut at the beginning of the band
 } node_cubature;
 
@@ -204,8 +205,9 @@ typedef struct reduced_model {
     row_set control; // rows used only for the error estimate (indicator.h); num_rows may be 0
     centre_nodes centre;
     exit_band band;
-    // [lines, width] deflection that a pressure of 1 causes at a distance of so many lines and
-    // columns. `lines` is num_lines, but on a half grid 2 num_lines, because of mirrored nodes.
+    // [lines, width] entry [l, c] is the deflection that a pressure of 1 causes at a distance of l
+    // lines and c columns. `lines` is num_lines, but on a half grid 2 num_lines, because of
+    // mirrored nodes.
     double *kernel;
     exit_cut cut;
     exit_checkpoints checkpoints;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Holds the lubricants of the scenes on which a model's error estimates were calibrated
- * (romrun/trust/README.md, Lubricants).
+/* Holds the *shown lubricants*: the lubricants of the scenes on which a model's error estimates
+ * were calibrated (romrun/trust/README.md, Lubricants).
  * Called by romrun/calibrate/validation.c, and by trade_file.c and model_read.c. */
 #ifndef EHD_SHOWN_H
 #define EHD_SHOWN_H
@@ -23,12 +23,12 @@ typedef struct shown_lubricants {
 
 shown_lubricant shown_of(const ehd_contact *contact, bool in_time);
 
-/* Writes the lubricants to a model file that has no such lubricants yet. Errors: EHD_MEMORY,
+/* Writes the shown lubricants to a model file that does not contain any yet. Errors: EHD_MEMORY,
  * EHD_IO. */
 ehd_status shown_put(artefact *file, const shown_lubricants *shown, ehd_error *error);
 
-/* Reads the lubricants of a model file. If the file has no such lubricants, `count` is 0. The
- * caller frees the array `of` with free(). Errors: EHD_DATA, EHD_MEMORY. */
+/* Reads the shown lubricants of a model file. If the file has none, `count` is 0. The caller frees
+ * the array `of` with free(). Errors: EHD_DATA, EHD_MEMORY. */
 ehd_status shown_get(shown_lubricants *shown, artefact *file, ehd_error *error);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Declares the size of a model in use. The first modes and rows of a model form a smaller model
- * (romrun/calibrate/README.md, Calibration and the accuracy dial).
+/* Declares the size of a model: how many of its modes and rows are used. The first modes and rows
+ * of a model form a smaller model (romrun/calibrate/README.md, Calibration and the accuracy dial).
  * Included by model_file.h, by trade_file.h and by romrun/online/online.h. */
 #ifndef EHD_SIZES_H
 #define EHD_SIZES_H

@@ -26,7 +26,8 @@ static void place_nodes(start_shift *self, const reduced_model *model) {
         self->x[q] = grid_x(&model->grid, rows->needed_node[self->first + q]);
 }
 
-/* Returns the slope of the parabola through three nodes. */
+/* Returns the slope, at node q, of the parabola through the pressures at node q and its
+ * neighbours. */
 static double slope_at(const double *x, const double *pressure, size_t q) {
     const double before = x[q] - x[q - 1], after = x[q + 1] - x[q];
     const double slope_before = (pressure[q] - pressure[q - 1]) / before;
@@ -51,8 +52,8 @@ static double curvature_at(const double *x, const double *pressure, size_t q) {
 }
 
 /* Returns the X at which the pressure is most curved. This is the tip of a spike, or of what
- * remains of a spike. The result is the maximum of the parabola through the largest curvature at a
- * node and the curvatures at the neighbours of this node. */
+ * remains of a spike. A parabola is laid through the largest curvature at a node and the curvatures
+ * at the neighbours of this node. The result is the X of its maximum. */
 static double place_of_spike(const double *x, const double *pressure, size_t num) {
     size_t best = 1;
 
@@ -176,7 +177,7 @@ ehd_status start_shift_build(reduced_model *model, ehd_error *error) {
     *self = (start_shift){0};
     if (model->band.num_lines > 1 || model->deformation != DEFORMATION_COUPLED) return EHD_OK;
     list_nodes(self, model);
-    if (self->num_nodes < 3) self->num_nodes = 0; // a curvature takes three nodes
+    if (self->num_nodes < 3) self->num_nodes = 0; // a curvature needs three nodes
     if (self->num_nodes == 0) return EHD_OK;
     // the grid does not resolve details below half of its step
     self->spacing = model->grid.step / 2;
@@ -199,8 +200,8 @@ ehd_status start_shift_build(reduced_model *model, ehd_error *error) {
 
 // ---- the sum
 
-/* Returns the change of a sum of pressures at a node: the sum at equal coordinates minus the sum at
- * equal X. */
+/* Returns the change of a weighted sum of the states' pressures at a node: the sum of pressures at
+ * equal coordinates (start_shift.h) minus the sum of pressures at equal X. */
 static double change_at(const start_shift *self, size_t q, double spike, const size_t *states,
                         const double *weights, size_t count) {
     const profile_place at = place_at(self, point_of(self, self->x[q], spike));

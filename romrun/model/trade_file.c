@@ -33,8 +33,8 @@ static const char *const deviation_fields[NUM_TRADE_QUANTITIES] = {
     "deviation_central_film_thickness", "deviation_minimum_film_thickness",
     "deviation_central_pressure", "deviation_pressure"};
 
-/* A member of trade_position with a dataset of its own. Members in `counts` are size_t, members in
- * the other lists are double. */
+/* A member of trade_position with a dataset of its own. The members in the list `counts` are
+ * size_t, all others are double. */
 typedef struct column {
     const char *field;
     size_t offset;
@@ -260,7 +260,7 @@ static ehd_status get_counts(trade_table *table, artefact *file, ehd_error *erro
     return status;
 }
 
-/* Reads the columns of numbers. Unknown values are NaN. */
+/* Reads the columns of real numbers and the deviations. Unknown values are NaN. */
 static ehd_status get_reals(trade_table *table, artefact *file, ehd_error *error) {
     size_t num_positions = table->num_positions;
     double *values = array_new(num_positions, NUM_TRADE_QUANTILES, sizeof *values);

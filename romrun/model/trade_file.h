@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads and writes the table of sizes of a calibrated model, with accuracy and time of each size.
- * The table is a part of the model's file (schemas/model.md). Called by deimselect/checked_model.c,
- * romrun/calibrate and romrun/online/part.c. */
+/* Reads and writes the table of sizes of a calibrated model, with the accuracy and the computing
+ * time of each size. The table is a part of the model's file (schemas/model.md). Called by
+ * deimselect/checked_model.c, romrun/calibrate and romrun/online/part.c. */
 #ifndef EHD_TRADE_FILE_H
 #define EHD_TRADE_FILE_H
 
@@ -16,13 +16,13 @@ enum trade_quantity {
     TRADE_CENTRAL_FILM,
     TRADE_MINIMUM_FILM,
     TRADE_CENTRAL_PRESSURE,
-    TRADE_PRESSURE, // largest difference at a node, in Hertz pressures; the others are relative
+    TRADE_PRESSURE, // largest deviation at a node, in Hertz pressures; other quantities: relative
     NUM_TRADE_QUANTITIES
 };
 enum trade_quantile { TRADE_MEDIAN, TRADE_95, TRADE_WORST, NUM_TRADE_QUANTILES };
 extern const double trade_quantiles[NUM_TRADE_QUANTILES]; // 0.5, 0.95, 1
 enum trade_part { PART_5, PART_50, PART_90, PART_95, NUM_TRADE_PARTS };
-extern const double trade_parts[NUM_TRADE_PARTS]; // 0.05, 0.5, 0.9, 0.95
+extern const double trade_parts[NUM_TRADE_PARTS]; // quantiles: 0.05, 0.5, 0.9, 0.95
 enum { NUM_TIME_PARTS = 6 };
 extern const double trade_time_parts[NUM_TIME_PARTS]; // quantiles: 0.5, 0.6, ... 1
 
@@ -47,8 +47,8 @@ extern const indicator_shape plain_shape;
  * unchanged. */
 double trade_indicated(double factor, indicator_shape shape, double bound);
 
-/* One model size, with the accuracy and time on the scenes that the model solved with this size.
- * The values are NaN if it solved no scene. */
+/* One model size, with its accuracy and computing time on the scenes that the model solved with
+ * this size. Both are NaN if it solved no scene. */
 typedef struct trade_position {
     model_sizes sizes; // all numbers are above 0, except deformation_modes of a coupled basis
     double deviation[NUM_TRADE_QUANTITIES][NUM_TRADE_QUANTILES];
@@ -59,25 +59,25 @@ typedef struct trade_position {
     double indicator_factor; // factor of the error estimate of the central film; 0: this size was
                              // not calibrated, and the members below are unknown
     double indicator_factor_minimum;     // factor of the error estimate of the minimum film
-    double indicated[NUM_TRADE_PARTS];   // quantiles, over all scenes, of the larger estimate of
-                                         // both films, which is infinite if a scene is not solved
-    double effectivity[NUM_TRADE_PARTS]; // quantiles of the ratio of estimate to error; of both
-                                         // films the smaller ratio
+    double indicated[NUM_TRADE_PARTS];   // quantiles, over all scenes, of the larger of the two
+                                         // film estimates; infinite for a scene not solved
+    double effectivity[NUM_TRADE_PARTS]; // quantiles of the ratio of estimate to error; in each
+                                         // scene the smaller ratio of the two films
     double largest_residual;             // largest residual of the least squares; infinite: unknown
     double other_factor[NUM_INDICATED];  // factors for the other quantities; 0: not known
     indicator_shape shape[NUM_BOUNDED];  // shapes of the error estimates, without their factors
     // results on trajectories, which the reduced model solved with the time steps of the full model
-    double worst_in_time[TRADE_PRESSURE]; // largest errors over all steps, without TRADE_PRESSURE
-    double step_iterations, step_seconds; // means over steps
+    double worst_in_time[TRADE_PRESSURE]; // largest errors of a time step, without TRADE_PRESSURE
+    double step_iterations, step_seconds; // means over time steps
     // factor of the error estimate of the central film in a transient run; 0: this size was not
     // calibrated on trajectories
     double factor_in_time;
-    double factor_in_time_minimum; // factor of the errors that arise where the film is lowest
+    double factor_in_time_minimum; // factor of the local errors (time_indicator.h), minimum film
     double floor_in_time;          // added to the estimate of the central film; 0 in files before
                                    // schema 2.9
     double floor_in_time_minimum;  // added to the estimate of the minimum film
-    // quantiles, over the trajectories, of the largest estimate of both films; a lost trajectory
-    // (num_lost) has the estimate 1
+    // quantiles, over the trajectories, of the largest film estimate on each trajectory; a lost
+    // trajectory (num_lost) has the estimate 1
     double indicated_in_time[NUM_TIME_PARTS];
     size_t num_lost; // trajectories with a step that did not converge or is not trusted
 } trade_position;

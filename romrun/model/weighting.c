@@ -32,11 +32,11 @@ ehd_status weighting_plain(double *factors, const double *sampled, size_t num_ro
 }
 
 /* Solves min w^T C w / 2 - g^T w with w >= min_weight by projected Gauss-Seidel, which converges
- * because the problem is convex. On the examples' models, the sweeps after the tenth change the
- * error of the worst film by less than 1 %. The loop ends after 20 to 600 sweeps. Only one
- * selection (112 rows of a line contact, method `exits`) would take 5000 sweeps. `w`: initial
- * values, then the solution. `slope`: C w - g, which is updated only when a weight changes, so that
- * rows that stay at the bound cost nothing. */
+ * because the problem is convex. On the models of the examples, the sweeps after the tenth change
+ * the largest film error by less than 1 %. The loop ends after 20 to 600 sweeps. Only one selection
+ * (112 rows of a line contact, method `exits`) would take 5000 sweeps. `w`: initial values, then
+ * the solution. `slope`: C w - g, which is updated only when a weight changes, so that rows that
+ * stay at the bound cost nothing. */
 static void solve_bounded(double *w, double *slope, const double *matrix, size_t size,
                           double min_weight) {
     // `enough`: the sweeps end when the largest change of a weight, divided by the largest weight,

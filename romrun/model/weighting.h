@@ -10,8 +10,8 @@
 #include <stddef.h>
 
 /* Computes one positive factor for each row. `sampled`: the leading modes of the weighted Jacobian
- * products at the rows, as many modes as unknowns. Over all nodes these modes are orthonormal.
- * Errors: EHD_MEMORY. */
+ * products D J dz (deimselect/README.md), as many modes as unknowns, at the rows. Over all nodes
+ * these modes are orthonormal. Errors: EHD_MEMORY. */
 typedef ehd_status weighting_function(
     // output:
     double *factors, // [num_rows]

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes derivatives of a contact's results by its conditions. The results are in the reference
- * frame. The contact's own frame scales with load, radius and modulus, so the derivatives follow
- * from the chain rule (romrun/library/README.md, The tangent). Called by online_derivatives.c for
- * derivatives and responses. */
+/* Computes derivatives of a contact's results with respect to its conditions. The results are in
+ * the reference frame. The contact's own frame scales with load, radius and modulus, so the
+ * derivatives follow from the chain rule (romrun/library/README.md, The tangent). Called by
+ * online_derivatives.c for derivatives and responses. */
 #ifndef EHD_FRAME_TANGENT_H
 #define EHD_FRAME_TANGENT_H
 
@@ -17,7 +17,7 @@ typedef struct frame_equations {
                                   int side);
 } frame_equations;
 
-/* Scalars in the reference frame, and other results. */
+/* Results of a solution in the reference frame. */
 typedef struct frame_quantities {
     contact_scalars scalars;
     double peak_pressure, half_width;
@@ -31,9 +31,9 @@ ehd_status frame_linearise(
     const reduced_state *state, const contact_frame *at, const frame_equations *equations,
     bool exit_at_node, ehd_error *error);
 
-/* Computes derivatives by a parameter from two frames whose parameters differ by `distance`. The
- * equations must have been linearised at the mean frame. `change`: change of the solution per unit
- * of the parameter. */
+/* Computes derivatives with respect to a parameter that differs by `distance` between the two
+ * frames `beside`. The equations must have been linearised at the frame half way between them.
+ * `change`: change of the solution per unit of the parameter. */
 ehd_status frame_tangent(
     // output:
     frame_quantities *derivatives, reduced_change *change,
@@ -43,8 +43,9 @@ ehd_status frame_tangent(
     const contact_frame beside[2], double distance, const ehd_contact *reference,
     const frame_equations *equations, ehd_error *error);
 
-/* If the parameter of the last frame_tangent varies as exp(sT), the tangent depends on s. Computes
- * the derivative of this tangent by s at s = 0 (unit of s: 1/T). For stationary contacts only. */
+/* If the parameter of the last frame_tangent varies as exp(sT), the derivatives of the results with
+ * respect to this parameter depend on s. Computes how these derivatives change per unit of s (in
+ * 1/T) at s = 0. For stationary contacts only. */
 ehd_status frame_tangent_slow(
     // output:
     contact_scalars *slow, // rigid_approach and load in the reference frame

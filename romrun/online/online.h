@@ -46,21 +46,22 @@ typedef struct online_solver online_solver;
 
 /* Sizes and kind of a model, for information. */
 typedef struct online_properties {
-    size_t num_inner;           // number of inner nodes of the full grid
+    size_t num_inner;           // number of inner nodes of the grid
     size_t num_nodes;           // number of nodes including the boundary nodes
-    size_t num_lines;           // number of grid lines on both sides of a mirror; line contact: 1
-    double x_min, step;         // first inner node and step of the grid, half widths
+    size_t num_lines;           // number of inner grid lines, with mirrored lines; line contact: 1
+    double x_min, step;         // X of the first inner node, and grid step, half widths
     const char *discretization; // "accurate" or "published"
     const char *boundary;       // "open" or "zero"; "zero" for line contacts
     const char *deformation;    // "independent" or "coupled"
     const char *transport;      // transport of films in time: "path" or "upwind"
-    size_t pressure_modes, deformation_modes; // numbers in use
+    size_t pressure_modes, deformation_modes; // numbers of modes in use
     size_t unknowns;                          // number of unknowns of the reduced system
     size_t rows;                              // number of selected Reynolds rows in use
     size_t needed_nodes;                      // nodes in the stencils of the rows and around X = 0
     size_t states;                            // number of training solutions
-    size_t parts; // number of models for parts of a region; the numbers above are those of the
-                  // largest part
+    size_t parts; // number of models for parts of a region. The grid is then the grid with most
+                  // nodes, `states` is the sum over all parts, and the other numbers above are
+                  // those of the part with most unknowns
     // true: the sizes in use were calibrated by deimselect or romrun calibrate, on stationary
     // scenes (`checked`) or on trajectories (`checked_in_time`). Otherwise no error is estimated,
     // and a result with EHD_OK may have any error.
@@ -80,8 +81,9 @@ typedef struct online_result {
     size_t part;             // index of the part of the model that solved the contact
     size_t iterations;
     double residual;          // norm of the weighted least-squares residual
-    double bound;             // bound of the relative error of the central film, without its factor
-    double bound_minimum;     // bound of the relative error of the minimum film, without its factor
+    double bound;             // bound of the relative error of the central film, without the factor
+                              // that a calibration has measured
+    double bound_minimum;     // bound of the relative error of the minimum film, without factor
     double indicated;         // estimated relative error of the central film; NaN: the model is not
                               // calibrated
     double indicated_minimum; // estimated relative error of the minimum film; NaN: the model is not
@@ -98,9 +100,9 @@ typedef struct part_sizes {
 } part_sizes;
 
 /* Opens a model (HDF5 or flat file), or a list of models for parts of a region (schemas/models.md).
- * With a list, the part in whose trained range a contact lies deepest solves it. `sizes` NULL: the
- * whole model. A flat model can only be opened with its own sizes. Errors: EHD_NOINPUT, EHD_DATA,
- * EHD_MEMORY. */
+ * With a list, the part in whose trained range a contact lies deepest solves it. `sizes` NULL: all
+ * modes and rows are used. A flat model can only be opened with its own sizes. Errors: EHD_NOINPUT,
+ * EHD_DATA, EHD_MEMORY. */
 ehd_status online_open(online_model **model, const char *path, const part_sizes *sizes,
                        ehd_error *error);
 online_model *online_close(online_model *model); // accepts and returns NULL
@@ -124,9 +126,9 @@ const char *online_unchecked(const online_properties *model, bool in_time);
 /* Checks whether a file begins like a flat model. Errors: EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
 ehd_status online_is_flat(bool *is, const char *path, ehd_error *error);
 
-/* Prepares a model for everything that it can do, and writes it as a flat file. The flat model
- * gives bit-identical results. EHD_CANTCREATE: the file exists, and `force` is false. Other errors:
- * EHD_DATA, EHD_IO, EHD_MEMORY. */
+/* Prepares a model for fields and, if it can solve them, for transient contacts. Writes it as a
+ * flat file. The flat model gives bit-identical results. EHD_CANTCREATE: the file exists, and
+ * `force` is false. Other errors: EHD_DATA, EHD_IO, EHD_MEMORY. */
 ehd_status online_export(online_model *model, const char *path, bool force, ehd_error *error);
 
 /* Return the kind of contact and the grid of the model. Parts of line contacts may have
@@ -165,21 +167,22 @@ ehd_status online_solve(online_result *result, online_solver *solver, const ehd_
                         ehd_error *error);
 
 /* Judges the pressures of a result on the whole grid, [num_nodes] from online_fields, as
- * online_solve judges the pressures at its nodes. Sets result->status to EHD_NOT_CONVERGED in two
- * cases: a pressure is more negative than round-off and truncation explain, or above the limit of
- * the viscosity law. */
+ * online_solve judges the pressures at the needed nodes and in the band. Sets result->status to
+ * EHD_NOT_CONVERGED in two cases: a pressure is more negative than round-off and truncation
+ * explain, or above the limit of the viscosity law. */
 void online_judge_pressure(online_result *result, const ehd_contact *contact,
                            const double *pressure, size_t num_nodes);
 
-/* Error estimates of other quantities of the last solution. */
+/* Error estimates of the last solution for the quantities besides the films. */
 typedef struct online_indications {
     double bound[NUM_INDICATED];     // bound of the error, without its calibrated factor
     double deviation[NUM_INDICATED]; // estimated error; NaN: there is no estimate
 } online_indications;
 
-/* Estimates the errors of the other quantities. The call takes twice as long as a solution, so it
- * is a separate call. `contact`: the contact of the last online_solve. If the load is given, the
- * deviation of the load is the known difference between the result's load and the given load. */
+/* Estimates the errors of the quantities besides the films (indicated_quantity). This takes twice
+ * as long as a solution, so it is a separate call. `contact`: the contact of the last online_solve.
+ * If the load is given, the deviation of the load is the known difference between the result's load
+ * and the given load. */
 online_indications online_indicate(online_solver *solver, const ehd_contact *contact);
 
 /* Returns the estimated error of the largest pressure of the last solution, in Hertz pressures.
@@ -254,8 +257,10 @@ typedef struct online_conditions {
      * member is an estimate of the load that scales the frame. NaN: the estimate is extrapolated
      * from the last steps. */
     double load;
-    /* H0 in the reference frame; NaN: the load is given. For a line contact H0 is measured from
-     * approach_length, which has to lie outside of the pressurised zone (else EHD_DATA). */
+    /* H0 in the reference frame: gap at X = 0 between the undeformed bodies. It is 0 if they just
+     * touch, and negative if they overlap. NaN: the load is given. Deflections of a line contact
+     * are relative to a point at the distance approach_length, which has to be at least half the
+     * length of the grid (else EHD_DATA). */
     double approach;
     double speed; // entrainment, not negative
     double radius, modulus;
@@ -269,9 +274,9 @@ typedef struct online_state {
     double half_width;       // half width of the frame, relative to the reference; 0: bodies apart
     double local_error;      // error that this step causes in the film, relative to the central
                              // film; 0: the error is not known yet
-    // Estimated relative errors of the films, compared with the full model with the same steps. An
-    // error stays in the film until the fluid has left the contact. NaN: the model is not
-    // calibrated on trajectories.
+    // Estimated relative errors of central and minimum film, compared with the full model with the
+    // same time steps. An error stays in the film until the fluid has left the contact. NaN: the
+    // model is not calibrated on trajectories.
     double indicated, indicated_minimum;
     size_t iterations;
     double residual;
@@ -281,23 +286,24 @@ typedef struct online_state {
  * thread at a time. */
 ehd_status online_prepare_transient(online_model *model, ehd_error *error);
 
-/* Creates a transient contact. The model must outlive it. EHD_DATA: the grid or discretisation
- * differs; EHD_INTERNAL: the model is not prepared; EHD_MEMORY. */
+/* Creates a transient contact. The model must outlive it. EHD_DATA: the model has another grid or
+ * discretisation; EHD_INTERNAL: the model is not prepared; EHD_MEMORY. */
 ehd_status online_transient_create(online_transient **transient, const online_model *model,
                                    const ehd_contact *reference, ehd_error *error);
 online_transient *online_transient_free(online_transient *transient); // accepts and returns NULL
 
 /* Sets the error that the steps may cause in the central film, like the setting
- * transient.tolerance. With transport along the path, the tolerance of the iterations is then a
- * tenth of the step's share of this error, which saves a fifth of the iterations. By default steps
- * have the tolerance of online_solve. */
+ * transient.tolerance. With transport along the path, the iterations of a step then have a
+ * tolerance of a tenth of the error that is allowed for this step, which saves a fifth of the
+ * iterations. Otherwise the iterations have the default tolerance of online_solve. */
 void online_transient_set_tolerance(online_transient *transient, double tolerance);
 
-/* Allows steps that are much shorter than the grid's step (reduced_march_allow_short_steps). */
+/* Allows time steps in which the fluid moves by much less than a grid step
+ * (reduced_march_allow_short_steps). */
 void online_transient_allow_short_steps(online_transient *transient);
 
-/* Solves and accepts the stationary state of the conditions at time 0. If it does not converge, no
- * step can follow. EHD_DATA: the conditions are out of range. */
+/* Solves and accepts the stationary state of the conditions at time 0. If the solution does not
+ * converge, no step can follow. EHD_DATA: the conditions are out of range. */
 ehd_status online_transient_start(online_state *state, online_transient *transient,
                                   const online_conditions *conditions, ehd_error *error);
 
@@ -313,7 +319,7 @@ ehd_status online_step(online_state *state, online_transient *transient,
 void online_accept(online_transient *transient);
 
 /* Restarts the steps after a jump of the conditions: the next step is of first order and uses only
- * the last state. */
+ * the last accepted state. */
 void online_restart(online_transient *transient);
 
 /* Save the accepted state, [online_saved_size] numbers, and restore it in any object of the same
@@ -328,16 +334,16 @@ ehd_status online_restore(online_transient *transient, const double *saved, ehd_
 ehd_status online_transient_fields(double *pressure, double *film, online_transient *transient,
                                    ehd_error *error);
 
-/* Returns the traction of the last attempt, or of the start, in its own frame
- * (online_attempt_frame). The traction is NaN for a model without traction. `contact` and `scalars`
- * belong to the same frame, and `contact` has sliding. The call does not change the following
- * steps. */
+/* Returns the traction of the solved step that is not accepted yet. Without such a step, returns
+ * the traction of the accepted state. The traction, `contact` and `scalars` are in the frame that
+ * online_attempt_frame returns, and `contact` has sliding. NaN: the model has no traction. The call
+ * does not change the following steps. */
 contact_traction online_attempt_traction(online_transient *transient, const ehd_contact *contact,
                                          const contact_scalars *scalars);
 contact_frame online_attempt_frame(const online_transient *transient);
 
-/* Returns the largest pressure of the last attempt, or of the start, at its nodes, in Hertz
- * pressures of the reference. 0: the bodies are apart. */
+/* Returns the largest pressure, in Hertz pressures of the reference, for the same state as
+ * online_attempt_traction, at the needed nodes and in the band. 0: the bodies are apart. */
 double online_transient_peak(const online_transient *transient);
 
 /* Returns the frame of the accepted state. */
@@ -348,8 +354,8 @@ contact_frame online_transient_frame(const online_transient *transient);
  * over. The error estimates include the error of this transfer. */
 size_t online_transient_part(const online_transient *transient);
 
-/* Return a solver for march_run, and its effort so far in seconds. march_run chooses the steps
- * itself. Use either march_run or the calls above, not both in turn. */
+/* Return a solver for march_run, and its computing times so far in seconds. march_run chooses the
+ * steps itself. Use either march_run or the calls above, not both in turn. */
 march_solver online_march(online_transient *transient);
 void online_march_effort(double *rows, double *linear, double *exit, const void *solver);
 
@@ -361,8 +367,9 @@ typedef online_conditions online_direction;
 
 /* Rates of change of the results along a direction, relative to the reference. */
 typedef struct online_derivatives {
-    // Derivatives of the scalars in the reference frame; a line contact's approach is measured from
-    // approach_length. The exit is NaN if only its node is known. minimum_position has no meaning.
+    // Derivatives of the scalars in the reference frame. The approach of a line contact is relative
+    // to a point at the distance approach_length. The exit is NaN if only its node is known.
+    // minimum_position has no meaning.
     contact_scalars scalars;
     double peak_pressure; // derivative of the largest pressure at the nodes, in Hertz pressures of
                           // the reference
@@ -383,16 +390,17 @@ ehd_status online_differentiate(online_derivatives *derivatives, online_solver *
  * dF = -(stiffness + s damping) dH0 for s -> 0, s in 1/T. */
 typedef struct online_response {
     double stiffness, damping;
-    // Effect on the damping of the residual that the least squares leave of the squeeze term. For
-    // ten models the error of the damping was 2 to 8 times this bound (romrun/library/README.md).
+    // Change of the damping that the remaining least-squares residual of the squeeze term causes.
+    // For ten models the error of the damping was 2 to 8 times this bound
+    // (romrun/library/README.md).
     double damping_bound;
 } online_response;
 ehd_status online_respond(online_response *response, online_solver *solver,
                           const ehd_contact *contact, ehd_error *error);
 
-/* Computes derivatives of the last step by the conditions at its end. The step must not be accepted
- * yet. Before the first step, computes derivatives of the start. EHD_INTERNAL: there is neither
- * such a step nor a start. */
+/* Computes derivatives of the result of the last step with respect to the conditions at the end of
+ * this step. The step must not be accepted yet. Before the first step, computes derivatives of the
+ * start. EHD_INTERNAL: there is neither a step that is not accepted yet nor a start. */
 ehd_status online_transient_differentiate(online_derivatives *derivatives,
                                           online_transient *transient,
                                           const online_direction *direction, ehd_error *error);

@@ -123,11 +123,11 @@ static online_direction direction_of_given(const solved_frame *of) {
 }
 
 /* Corrects `found` if the direction prescribes the quantity (load or approach) that was an outcome
- * of the solution. Adds a multiple of the derivatives by the given quantity, so that the outcome
- * changes as the direction prescribes. It would be wrong to prescribe the outcome in the solution's
- * own frame instead. If the frame does not follow the load, the change needs pressures that the
- * modes lack. The stiffness would then be 13 % off for the point contact of scenes/examples, and
- * 0.4 % for the line contact. */
+ * of the solution. Adds a multiple of `by_given`, the derivatives with respect to the given
+ * quantity, so that the outcome changes as the direction prescribes. It would be wrong to prescribe
+ * the outcome in the solution's own frame instead. If the frame does not follow the load, the
+ * change needs pressures that the modes lack. The stiffness would then be 13 % off for the point
+ * contact of scenes/examples, and 0.4 % for the line contact. */
 static void correct_outcome(frame_quantities *found, const frame_quantities *by_given,
                             const solved_frame *of, const online_direction *direction) {
     const double *add = (const double *)by_given;
@@ -165,7 +165,8 @@ static ehd_status differentiate(online_derivatives *derivatives, const solved_fr
 /* Computes stiffness and damping from a small variation exp(sT) of the load that scales the frame.
  * Per unit of this variation, the load F changes by 1 + s F1 and the approach H0 by A + s H1, so
  * dF/dH0 = 1/A - s (H1 - A F1)/A^2. Because the least squares leave a residual in the load balance,
- * F1 is not 0, and the change of F at s = 0 is not exactly 1. */
+ * F1 is not 0, and the change of F at s = 0 is not exactly 1. The function divides by this
+ * change. */
 static ehd_status respond(online_response *response, const solved_frame *of, ehd_error *error) {
     const online_direction by_load = {.load = 1, .approach = NAN};
     const frame_pair frames = frames_around(of, &by_load);

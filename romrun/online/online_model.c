@@ -171,7 +171,6 @@ ehd_status online_export(online_model *self, const char *path, bool force, ehd_e
     return status;
 }
 
-/* Describes the model. The sizes are those of the largest part. */
 online_properties online_describe(const online_model *self) {
     const reduced_model *largest = &self->parts[0].reduced;
     const ehd_grid *grid = online_grid(self);

@@ -11,7 +11,7 @@
 #include <string.h>
 
 /* Reads the factors that a calibration has measured for the model's numbers of modes and rows.
- * Without such a calibration the factors are 0, in time NaN. */
+ * Without such a calibration the factors are 0, and the factors in self->in_time are NaN. */
 static ehd_status read_factors(model_part *self, ehd_error *error) {
     const reduced_model *model = &self->reduced;
     const model_sizes own = {model->num_pressure, model->num_deformation, model->rows.num_rows};

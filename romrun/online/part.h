@@ -18,12 +18,13 @@
 typedef struct model_part {
     reduced_model reduced;
     const char *path; // path of its file, for error messages
-    bool flat;        // a flat file owns the tables and outlives the part
+    bool flat;        // true: a flat file owns the tables and outlives the part
     bool shows;       // true: the part owns the lubricants of part_show, even if it is flat
     artefact *source; // open HDF5 file with the modes; NULL: a flat model, or the file is closed
     trained_range *range;
-    // Results of the calibration. If these sizes are not calibrated, the factors are 0. If they are
-    // not calibrated on trajectories, in_time is NaN. An unknown largest value is infinite.
+    // Results of the calibration. If the numbers of modes and rows in use are not calibrated, the
+    // factors are 0. If they are not calibrated on trajectories, in_time is NaN. If
+    // largest_residual or most_iterations is not known, it is infinite.
     double indicator_factor; // factor of the error estimate of the central film
     double indicator_factor_minimum;
     double largest_residual; // largest residual in the calibration

@@ -198,7 +198,8 @@ static void restart(void *solver) {
     of.restart(of.self);
 }
 
-/* Solves with the part whose training has the smallest M. */
+/* Finds the approach and the load at which the bodies touch (march_solver), with the part whose
+ * training has the smallest M. */
 static ehd_status touching(double *approach, double *load, void *solver, const contact_frame *frame,
                            ehd_error *error) {
     const parts_march *self = solver;

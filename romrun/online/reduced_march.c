@@ -30,9 +30,9 @@ typedef struct previous_sums {
 /* Data for the local error of an attempt. */
 typedef struct error_estimate {
     double *pressure; // [num_rows] P at the rows' nodes
-    size_t *end;      // [num_lines] columns before which the error is estimated
-    // the way: places on the central grid line from the edge of the dry contact to the centre, used
-    // with transport along the path
+    size_t *end;      // [num_lines] columns of exits, set by find_error_end
+    // the way: places on the central grid line from the upstream edge of the dry contact to the
+    // centre, used with transport along the path
     size_t num_way;
     size_t *way;     // [num_way] nodes
     size_t *way_row; // [num_way] row at the node, or NO_ROW
@@ -55,8 +55,8 @@ typedef struct march_beside {
     reduced_squeeze squeeze;
 } march_beside;
 
-/* Arguments with which the solver's kept factors were made. A restored march makes the same factors
- * from these arguments. */
+/* Arguments of reduced_keep_factors for the solver's kept factors. A restored march makes the same
+ * factors from these arguments. */
 typedef struct factors_origin {
     bool valid;
     contact_frame frame;
@@ -72,9 +72,9 @@ struct reduced_march {
     trained_range *range;
     range_memory *range_memory;
     reduced_solver *solver;
-    double start_tolerance;               // tolerance of the start
-    double tolerance;                     // tolerance of the steps; NaN: the caller has not set it
-    previous_film states[NUM_BDF_PLACES]; // states in the ring of `bdf`, and the base
+    double start_tolerance;               // tolerance of the iterations of the start
+    double tolerance;                     // error that steps may cause in the film; NaN: not set
+    previous_film states[NUM_BDF_PLACES]; // states in the ring of `bdf`, and the base (BDF_BASE)
     previous_sums previous;
     // only for transport along the path. `path`: films of the base, which is the initial state;
     // `entrained`, `band_entrained`: d/dX of rho H of the base, as the rows evaluate this
@@ -88,8 +88,8 @@ struct reduced_march {
     film_bounds bounds;    // bounds of the attempt
     functionals *functionals;
     double *influence; // [num_rows] influence of rows on a film
-    // path of the fluid up to which the contact contains a film from an untrusted step; `doubtful`:
-    // for the attempt, `last_doubtful`: for the last accepted state
+    // value of contact_frame.path until which the contact contains film that formed in an untrusted
+    // step; `doubtful`: for the attempt, `last_doubtful`: for the last accepted state
     double doubtful, last_doubtful;
     factors_origin factors;
     // frames scaled by the computed loads. `load_frame`: for the attempt; `last_load_frame`: for
@@ -225,7 +225,7 @@ static bool is_of_stationary_scenes(const reduced_states *states) {
 /* Checks that transport and smoothing of films are those of the training. */
 static ehd_status check_carriage(const reduced_model *model, const ehd_contact *reference,
                                  ehd_error *error) {
-    // values that the scene does not give are taken from the training
+    // a smoothing that the scene does not give (NaN) is taken from the training
     const ehd_carriage carriage = {reference->transport, reference->smoothing};
     const ehd_status status =
         carriage_check(&carriage, NULL, &model->carriage, "the model's training", error);
@@ -344,9 +344,9 @@ static void add_effort(reduced_march *self, const reduced_info *info) {
 
 // ---- trust
 
-/* Checks whether an exit lies at the edge of its trained range. An exit at the end of the grid is
- * accepted. The reason is that right after a sudden rise of the load the whole outlet is full. The
- * exit of the full model in the training lies at the end of the grid for a moment. */
+/* Checks whether an exit lies at the edge of its trained range. An exit at the downstream end of
+ * the grid is accepted: right after a sudden rise of the load the whole outlet is full, and in the
+ * training the exit of the full model lies at this end for a moment. */
 static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
     const size_t *exit = reduced_state_exits(state), end = grid_width(&model->grid) - 2;
 
@@ -361,7 +361,7 @@ static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
 }
 
 /* Marks steps as untrusted while the contact contains a film that formed in an untrusted step. Such
- * a film leaves the contact after it has travelled from the edge to the exit. */
+ * a film leaves the contact after it has travelled from X = -1 to the exit. */
 static void judge_films(march_step *outcome, reduced_march *self, const contact_frame *frame) {
     const double exit = outcome->scalars.exit_position;
 
@@ -376,7 +376,7 @@ static void judge_films(march_step *outcome, reduced_march *self, const contact_
 /* Checks whether the gap behind the exit closes so fast that a second zone of pressure carries a
  * part of the load. A reduced model has only one zone on each grid line. */
 static bool lacks_zone(const reduced_march *self) {
-    if (self->bdf.ring.num_previous < 2) return false; // the step of a jump has no rate
+    if (self->bdf.ring.num_previous < 2) return false; // the first step after a jump has no rates
     return frame_closing_gap(&self->load_frame, &self->last_load_frame, &self->reference, 1).load >
            default_accuracy;
 }
@@ -416,7 +416,7 @@ static const char *why_not_to_trust(reduced_march *self, const reduced_state *st
     ehd_contact contact;
 
     frame_contact(&contact, &self->load_frame, &self->reference);
-    // a jump takes one step of any length, so the rates of this step are not checked
+    // the first step after a jump may have any length, so its rates are not checked
     frame_rates rates = {0};
     if (self->bdf.ring.num_previous > 1) rates = rates_of_step(self);
     if (reduced_doubts_flow(self->solver, state, &contact)) return flow_doubt_reason;
@@ -535,7 +535,8 @@ double reduced_march_least_M(const reduced_march *self) {
     return least;
 }
 
-/* Solves the stationary contact with the smallest M of the training. */
+/* Returns the approach and the load of the stationary contact with the smallest M of the training
+ * (`touching` of march_solver). */
 static ehd_status touching(double *approach, double *load, void *solver, const contact_frame *frame,
                            ehd_error *error) {
     reduced_march *self = solver;
@@ -576,8 +577,8 @@ static double entrain(const reduced_march *self, size_t node) {
     return -row.residual;
 }
 
-/* Prepares the base after its state is set. Previous states are then stored as differences from the
- * base. */
+/* Prepares the base (common/time/README.md, Along the path) after its state is set. Previous states
+ * are then stored as differences from the base. */
 static ehd_status use_base(void *solver, ehd_error *error) {
     reduced_march *self = solver;
     const reduced_model *model = self->model;
@@ -608,8 +609,8 @@ static bool indicates(const reduced_march *self) {
     return !isnan(self->of_films.central);
 }
 
-/* Adds the errors that rows cause in the films of the attempt. `then`: frame of the last state;
- * NULL: the attempt is the start. */
+/* Adds the errors that rows cause in the films of the attempt to the indicator's local errors.
+ * `then`: frame of the last state; NULL: the attempt is the start. */
 static void add_local(reduced_march *self, const contact_scalars *scalars,
                       const contact_frame *then, const contact_frame *now) {
     double errors[NUM_REDUCED_FILMS];
@@ -773,9 +774,9 @@ static double history_sum(const double *weights, const double *values, size_t co
 }
 
 /* Computes the part of the squeeze term that the previous states contribute at the rows' nodes.
- * `sum`, [num_rows]: this part; with transport along the path it includes the entrainment of the
- * base. `masses`, [BDF_PREVIOUS, num_rows]: rho H of each state; NULL: the caller does not need rho
- * H. */
+ * `sum`, [num_rows]: this part; with transport along the path it includes the entrainment term of
+ * the base. `masses`, [BDF_PREVIOUS, num_rows]: rho H of each state; NULL: the caller does not need
+ * rho H. */
 static void sum_at_rows(double *sum, double *const *masses, const reduced_march *self,
                         const contact_frame *frame, double entrainment) {
     const reduced_model *model = self->model;
@@ -830,8 +831,8 @@ static double sum_at(const reduced_march *self, size_t node) {
     return sum_in_frame(self, node, &self->states[bdf_march_place(&self->bdf, 0)].frame);
 }
 
-/* Returns sum_at plus the entrainment of the base at a node of the band. Evaluates each node at
- * most once per attempt. */
+/* Returns sum_at plus the entrainment term of the base at a node of the band. Evaluates each node
+ * at most once per attempt. */
 static double previous_at(void *solver, size_t node) {
     reduced_march *self = solver;
     size_t index = reduced_model_band_index(self->model, node);
@@ -844,9 +845,10 @@ static double previous_at(void *solver, size_t node) {
     return self->previous.band_sum[index];
 }
 
-/* Sets estimate.end for all grid lines: the first exit of all states of the step, on this grid line
- * and on the grid lines within the margin. The local error is estimated up to the margin before
- * this column. */
+/* Sets estimate.end of each grid line to the column of the farthest upstream exit in the attempt,
+ * on the grid lines at a distance of at most march_exit_margin. For a point contact, the exits of
+ * the previous states are included. The local error is estimated only at nodes that lie more than
+ * march_exit_margin upstream of this exit (is_before_exit). */
 static void find_error_end(reduced_march *self) {
     const reduced_model *model = self->model;
     size_t margin = (size_t)ceil(march_exit_margin / model->grid.step);
@@ -893,8 +895,8 @@ static double hertz_density(const ehd_contact *contact, double x) {
                              contact->hertz_pressure * sqrt(fmax(1 - x * x, 0)));
 }
 
-/* Computes the difference of bdf_march_missed at the places of the way to the centre. The state of
- * the attempt must be prepared. */
+/* Computes the difference between solution and prediction of rho H (bdf_march_missed) at the places
+ * of the way to the centre. The state of the attempt must be prepared. */
 static void miss_on_the_way(reduced_march *self) {
     error_estimate *estimate = &self->estimate;
 
@@ -913,9 +915,9 @@ static void miss_on_the_way(reduced_march *self) {
 }
 
 /* Returns the largest error of rho H that a film accumulates in the attempt on its way to the
- * centre, divided by the path of the step, as the full model does. If the step is shorter than
- * frame_shortest_step, the error is divided by the path of this shortest step, since noise does not
- * shrink further. */
+ * centre, divided by the path of the fluid in the step, as in full_march.c. If the step is shorter
+ * than frame_shortest_step, the error is divided by the path in this shortest step, since noise
+ * does not shrink further. */
 static double error_on_the_way(void *solver) {
     const reduced_march *self = solver;
     const error_estimate *estimate = &self->estimate;
@@ -933,8 +935,8 @@ static double error_on_the_way(void *solver) {
             fmax(self->bdf.entrainment, 1));
 }
 
-/* Marks the rows before the exit. With transport along the path, the function also computes the
- * local errors on the way to the centre. */
+/* Marks the rows at which the local error is estimated (is_before_exit). With transport along the
+ * path, the function also computes the local errors on the way to the centre. */
 static void mark(void *solver) {
     reduced_march *self = solver;
     const bdf_masses *masses = &self->bdf.masses;
@@ -945,8 +947,8 @@ static void mark(void *solver) {
     if (is_along_path(self)) miss_on_the_way(self);
 }
 
-/* Returns the largest accumulated error of the films before the centre, relative to the film at the
- * same place. */
+/* Returns the largest accumulated error of rho H before the centre, relative to rho H at the same
+ * place. */
 static double largest_taken_up(const reduced_march *self) {
     const error_estimate *estimate = &self->estimate;
     double largest = 0;
@@ -1001,8 +1003,8 @@ static void set_effects(march_step *outcome, reduced_march *self, const ehd_cont
         (scalars->minimum_film_thickness * hertz_density(contact, scalars->minimum_position));
 }
 
-/* Estimates the errors of an attempt. The state of the attempt must be prepared, and `contact` must
- * have the entrainment of its rows. */
+/* Estimates the errors of an attempt. The state of the attempt must be prepared. `contact` comes
+ * from bdf_march_contact. */
 static void indicate(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
     time_indicator *indicator = &self->indicator;
     const previous_film *next = state_before(self, 0);

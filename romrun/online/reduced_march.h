@@ -47,14 +47,14 @@ film_bounds reduced_march_bounds(const reduced_march *self);
 
 /* Sets the error that the steps may cause in the central film, with transport along the path
  * (transient.tolerance). The tolerance of the iterations is then a fraction of this error. NaN, the
- * default: steps have the tolerance of the settings. The start always has the tolerance of the
- * settings. */
+ * default: the iterations of steps have the tolerance of the settings given to
+ * reduced_march_create. The start always has this tolerance. */
 void reduced_march_set_tolerance(reduced_march *self, double tolerance);
 
-/* Allows steps that are much shorter than the grid's step, for example those of an external
- * integrator. With transport along the path, accepted states may then be `passing` (bdf.h): the
- * next step does not begin at a passing state but at an earlier state. A march with its own
- * histories (march.h) does not need this call. */
+/* Allows time steps in which the fluid moves by much less than a grid step, for example steps of an
+ * external integrator. With transport along the path, accepted states may then be `passing`
+ * (bdf.h): the next step does not begin at a passing state but at an earlier state. march_run
+ * (march.h) does not need this call. */
 void reduced_march_allow_short_steps(reduced_march *self);
 
 /* Returns the solver inside the march, for example to set an observer. */

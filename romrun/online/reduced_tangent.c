@@ -68,7 +68,7 @@ static ehd_status singular(ehd_error *error) {
 // ---- the equations
 
 /* Evaluates the rows at the linearised state, up to its exits. With `with_cell`, also evaluates the
- * cell of a node within which the exit lies. Returns whether there is such a cell. */
+ * cell in which the exit lies. Returns whether this cell was found (exits_find_cell). */
 static bool evaluate(reduced_tangent *self, const reduced_equations *of, bool with_cell) {
     reduced_state *state = &self->state;
     const double approach = state->coordinates[self->model->num_unknowns - 1];

@@ -41,10 +41,10 @@ typedef struct reduced_change {
 } reduced_change;
 
 /* Computes the change dz of the solution per unit of a parameter: (J^T J) dz = -J^T dr. `beside`:
- * the equations at -distance/2 and +distance/2 of the parameter. dr: difference of their residuals,
- * divided by `distance`. Second derivatives, multiplied by the residual of the rows, are neglected.
- * They would change the result by a tenth to a hundredth of the effect of the truncated modes
- * (romrun/library/README.md). EHD_NOT_CONVERGED: as in reduced_tangent_at. */
+ * the equations with the parameter changed by -distance/2 and by +distance/2. dr: difference of
+ * their residuals, divided by `distance`. Second derivatives, multiplied by the residual of the
+ * rows, are neglected. They would change the result by a tenth to a hundredth of the effect of the
+ * truncated modes (romrun/library/README.md). EHD_NOT_CONVERGED: as in reduced_tangent_at. */
 ehd_status reduced_tangent_along(
     // output:
     reduced_change *change,
@@ -62,9 +62,9 @@ typedef struct reduced_motion {
 } reduced_motion;
 
 /* If a parameter varies as exp(sT), the change of the solution depends on s. Computes the
- * derivative of this change by s at s = 0, for stationary solutions only. `change`: the change at
- * s = 0, from reduced_tangent_along. In the moving frame the squeeze term is d(rho H)/dT + rho H
- * d(ln film scale)/dT - X d(rho H)/dX d(ln a)/dT, with the half width a. */
+ * derivative of this change with respect to s at s = 0, for stationary solutions only. `change`:
+ * the change at s = 0, from reduced_tangent_along. In the moving frame, with the half width a, the
+ * squeeze term is d(rho H)/dT + rho H d(ln film scale)/dT - X d(rho H)/dX d(ln a)/dT. */
 ehd_status reduced_tangent_slow(
     // output:
     reduced_change *slow,

@@ -47,7 +47,7 @@ static size_t window_nodes(const reduced_model *model) {
 static size_t window_begin(const reduced_model *model, size_t exit, size_t window) {
     const size_t band_begin = model->band.lines[0].begin;
     size_t base = model->checkpoints.exit[reduced_model_checkpoint(model, &exit)];
-    size_t reach = window + reynolds_reach_back(&model->grid); // reach of the first row's stencil
+    size_t reach = window + reynolds_reach_back(&model->grid); // with the first row's stencil
     size_t begin = exit > band_begin + reach ? exit - reach : band_begin;
 
     return begin < base ? begin : base;
@@ -102,7 +102,7 @@ static void fill_stencil(band_stencil *around, const exit_query *query, size_t n
     const reynolds_stencil nodes = reynolds_stencil_at(&model->grid, node);
     const bool across = model->grid.inner_lines > 1;
     const size_t last = grid_width(&model->grid) - 1;
-    bool outer[NUM_STENCIL]; // boundary nodes of a point contact
+    bool outer[NUM_STENCIL]; // true: boundary node of a point contact
     size_t count = 0;
 
     for (size_t a = 0; a < NUM_STENCIL; a++) {
@@ -155,8 +155,8 @@ static double flux_at(exit_query *query, size_t node) {
 
 // ---- where the exits should be
 
-/* Returns the first node that may be the exit of a line contact: the stencil of the row at the node
- * before the exit must lie in the band. */
+/* Returns the farthest upstream node that may be the exit of a line contact: the stencil of the row
+ * at the node before the exit must lie in the band. */
 static size_t first_exit(const reduced_model *model) {
     const band_line *band = &model->band.lines[0];
     const size_t first = band->begin + reynolds_reach_back(&model->grid) + 1;
@@ -177,10 +177,10 @@ static size_t node_with_flux(exit_query *query, double flux, size_t node, size_t
 
 /* Finds the exit of a stationary line contact within the window, and returns it. A negative
  * pressure moves the exit upstream. A negative multiplier at the exit moves the exit downstream. In
- * both cases the exit moves to the first node, counted from the negative value on, at which the
- * film alone carries the flux. If the exit moved to the negative pressure itself, some iterations
- * would end with an exit ten nodes too far upstream, where all signs are right
- * (scenes/studies/stationary-line: minimum film 1 % off). */
+ * both cases the search goes downstream from the node with the negative value, to the first node at
+ * which the entrained film alone carries the flux. If the exit moved to the negative pressure
+ * itself, some iterations would end with an exit ten nodes too far upstream, where all signs are
+ * right (scenes/studies/stationary-line: minimum film 1 % off). */
 static size_t find_by_flux(exit_query *query) {
     const reduced_model *model = query->search->model;
     const band_line *band = &model->band.lines[0];
@@ -307,7 +307,8 @@ static void find_exits(exit_query *query) {
     }
 }
 
-/* Returns the multiplier at `node`, divided by its derivative by the pressure at this node. */
+/* Returns the multiplier at `node`, divided by its derivative with respect to the pressure at this
+ * node. */
 static double multiplier_margin(exit_query *query, size_t node) {
     band_stencil around;
     reynolds_row row;

@@ -47,9 +47,9 @@ extern const double exits_near_change;
  * or a multiplier with the wrong sign. After its first change of direction an exit therefore moves
  * by one node per iteration, and one of these rules holds it at its node:
  *
- * - Transient: the exit is held when it would then go back by one node. It is held at the
- *   downstream node of the two, or at the upstream node if it would go back downstream after a long
- *   move (SETTLED).
+ * - Transient: the exit is held when it would reverse its direction and move by one node. It is
+ *   held at the downstream one of these two nodes or, after an upstream move of more than SETTLED,
+ *   at the upstream one.
  * - Stationary: the iteration may start at the solution of another contact, so an exit may turn
  *   more often. It is held after three more changes of direction. It is held after the first one if
  *   it would move by less than SETTLED and the pressure changes by less than exits_near_change.
@@ -61,8 +61,8 @@ extern const double exits_near_change;
  *
  * In a transient run, the exit of a line contact does not move while the state is far from the
  * solution (exits_near_change). If a thin film passes the outlet, some iterates have negative
- * pressures, which would move the exit back by ten nodes. Exit lines of point contacts move less
- * and may move in every iteration. If they also had to wait, the point contact of
+ * pressures, which would move the exit upstream by ten nodes. Exit lines of point contacts move
+ * less and may move in every iteration. If they also had to wait, the point contact of
  * scenes/studies/point-transient would take a quarter to a third more iterations. */
 void exits_watch(exit_search *self, bool in_time);
 
@@ -73,9 +73,9 @@ bool exits_adapt(exit_search *self, node_state *nodes, reduced_state *state,
 
 /* Computes, for each grid line of the stationary point contact in `nodes`, the change of pressure
  * that moves the exit by a node. This margin is the smaller of two values: P at the last node with
- * pressure, and the multiplier at the next node divided by its derivative by the pressure. The
- * margin is 0 if one of these values has the wrong sign. It is infinite if the line has no pressure
- * in the band. */
+ * pressure, and the multiplier at the next node divided by its derivative with respect to the
+ * pressure there. The margin is 0 if one of these values has the wrong sign. It is infinite if the
+ * line has no pressure in the band. */
 void exits_margins(double *margin, // [num_lines]
                    exit_search *self, node_state *nodes, const double *z,
                    const ehd_contact *contact);

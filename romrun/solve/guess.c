@@ -111,7 +111,7 @@ static neighbour place_of_state(const reduced_states *states, size_t state,
     return place;
 }
 
-enum { ANY_EFFECT = -1 }; // also lists states whose errors due to the grid are not known
+enum { ANY_EFFECT = -1 }; // nearest_states also lists states whose grid errors are not known
 
 /* Checks whether the lubricant of a state is the lubricant of the contact, or is not known. */
 static bool is_own(const neighbour *self) {
@@ -178,7 +178,7 @@ typedef struct neighbour_fit {
 enum { MAX_TERMS = 6 + NUM_COORDINATES - ALONG_VISCOSITY };
 
 /* The fits, best first. If the quadratic fit had half as many neighbours, they would lie on only
- * two lines of a regular plan. */
+ * two lines of a regular grid of training points. */
 static const neighbour_fit FITS[] = {{NUM_NEIGHBOURS, 6, 1.5}, {6, 3, 2}};
 
 /* Fits that include the coordinates of lubricant and thinning. They are used for neighbours that

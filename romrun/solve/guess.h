@@ -16,10 +16,10 @@
  * count in the distance of a trained solution. */
 void reduced_guess(reduced_state *state, const reduced_model *model, contact_place place);
 
-/* Solves from the initial state of reduced_guess. If the iteration does not converge, the function
- * starts again from each of the nearest trained solutions, one after the other, until one start
- * succeeds. Iterations and times in `info` are summed over all starts. Errors: those of
- * reduced_solve. */
+/* Solves a contact, starting from the initial state of reduced_guess. If the iteration does not
+ * converge, the function starts again from each of the nearest trained solutions, one after the
+ * other, until one start succeeds. Iterations and times in `info` are summed over all starts.
+ * Errors: those of reduced_solve. */
 ehd_status reduced_solve_from_training(
     // output:
     reduced_info *info, reduced_state *state,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Holds the factorised Jacobian of an earlier step, which the iterations of later steps use
- * (romrun/online/README.md, In time). Called by reduced_solver.c, and by
+/* Holds the factorised Jacobian of an earlier time step, which the iterations of later time steps
+ * use (romrun/online/README.md, In time). Called by reduced_solver.c, and by
  * romrun/trust/time_indicator.c for kept_factors_reach. */
 #ifndef EHD_KEPT_FACTORS_H
 #define EHD_KEPT_FACTORS_H
@@ -9,7 +9,7 @@
 
 typedef struct kept_factors {
     bool valid;
-    size_t number; // number of the Jacobian (solved_system)
+    size_t number; // serial number of the Jacobian (solved_system)
     least_squares *factors;
     double *matrix;      // [rows + num_deformation + 1, num_unknowns] the Jacobian
     size_t *exit;        // [num_lines] exit line at which the Jacobian was evaluated

@@ -19,7 +19,7 @@ struct least_squares {
     size_t num_columns;
     double *scale;      // [num_columns] 1 / norm of the column
     double *scaled;     // [num_columns + 1, longest] scaled columns and right side, for QR
-    double *gram;       // [num_columns, num_columns], then its lower factor
+    double *gram;       // [num_columns, num_columns] Gram matrix, then its lower factor
     size_t factor_size; // order of the factor; with QR the number of columns that are not zero
     bool by_qr;         // true: the factor comes from QR
     double *right;      // [longest]

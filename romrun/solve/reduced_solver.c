@@ -23,8 +23,8 @@ struct reduced_solver {
     kept_factors kept;        // factors of the Jacobian of an earlier time step
     kept_factors near;        // factors of a Jacobian near the present solution
     const kept_factors *used; // factors that the last solution used; NULL: new Jacobians
-    double remaining;         // estimated change that a next step causes, divided by the change
-                              // that the last step caused
+    double remaining;         // estimated change that one more iteration would cause, divided by
+                              // the change that the last iteration caused
     size_t num_solutions;
     size_t num_factors; // number of Jacobians that were factorised to be kept
     reduced_observer *observer;
@@ -114,7 +114,7 @@ static ehd_status fail(reduced_info *info, const char *reason) {
 
 /* Pressures at which rows are evaluated. AT_STATE: pressures of the state. ABOUT_FIRST, ABOUT_NEXT:
  * pressures of system_about, while a time step is far from its solution. With ABOUT_FIRST,
- * system_about uses the pressures of the last state. */
+ * system_about uses the pressures of the last accepted state. */
 typedef enum { AT_STATE, ABOUT_FIRST, ABOUT_NEXT } row_pressures;
 
 static void evaluate(reduced_solver *self, const reduced_state *state, const reduced_values *known,
@@ -278,9 +278,10 @@ static const double *band_modes(const reduced_model *model, size_t node) {
 /* Sets P to 0 at the nodes of a line contact that have joined the pressurised zone because the exit
  * moved downstream from `exit`. Behind an exit no row determines the modes: round-off leaves
  * pressures of up to 1e6 p_H there, and shorter time steps do not remove these pressures. Of all
- * states with P = 0 at the joining nodes, the new state changes the rows of the last system least.
- * The direction for node k is (J^T J)^-1 phi_k, where phi_k are the values of the modes at node k.
- * It is changed so that it leaves P at the earlier nodes as it is. */
+ * states with P = 0 at the joining nodes, the new state changes the residuals of the last
+ * least-squares problem least. The direction for node k is (J^T J)^-1 phi_k, where phi_k are the
+ * values of the modes at node k. Multiples of the directions of the joining nodes before k are
+ * subtracted, so that P at these nodes stays 0. */
 static void join_nodes(reduced_state *state, reduced_solver *self, size_t exit) {
     const reduced_model *model = self->model;
     const size_t n = model->num_unknowns, p = model->num_pressure;
@@ -320,7 +321,7 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
     const reduced_values *known = NULL;
     iterate before = {NAN, NAN, 0, NAN, 0}, now;
     double start = program_seconds();
-    bool joined = false; // true: nodes joined the pressurised zone, which changes the values
+    bool joined = false; // true: join_nodes has changed the state, so its values are not known
 
     if (!within_node) state->exit_offset = NAN;
     info->own_jacobian = true;
@@ -387,10 +388,10 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
 // ---- in time, with the factors of an earlier Jacobian
 
 /* Largest ratio of successive changes with kept factors (romrun/online/README.md, In time). This
- * ratio is also assumed for the first step, when no ratio is known. Iterations of a reduced model
- * of scenes/examples/line-in-time (step 0.02): 279 with a largest ratio of 0.5, and 339 with 0.9.
- * With 0.2 there are 250 iterations, but more of them compute new Jacobians (test_kept_factors.c,
- * kept_factors_serve_steps_alike). */
+ * ratio is also assumed for the first iteration, when no ratio is known. Iterations of a reduced
+ * model of scenes/examples/line-in-time (step 0.02): 279 with a largest ratio of 0.5, and 339 with
+ * 0.9. With 0.2 there are 250 iterations, but more of them compute new Jacobians
+ * (test_kept_factors.c, kept_factors_serve_steps_alike). */
 static const double MAX_KEPT_RATE = 0.5;
 
 /* Limits of the change of P in one iteration with kept factors. The change is an L2 norm, which
@@ -568,7 +569,7 @@ static void expand(reduced_solver *self, const reduced_state *state, const reduc
     nodes_expand_state(&self->nodes, known, state->coordinates);
 }
 
-/* Returns the scalars of the state, after expand. */
+/* Returns the scalars of a state. Call expand for this state before. */
 static contact_scalars scalars_of(reduced_solver *self, const reduced_state *state,
                                   const ehd_contact *contact) {
     return nodes_scalars(&self->nodes, state->coordinates,

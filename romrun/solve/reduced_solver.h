@@ -10,10 +10,10 @@
 #include "romrun/state/reduced_state.h"
 #include <stdbool.h>
 
-/* Solves the least-squares problem of an iteration, step = argmin |matrix step + right|. The
- * matrix has the weighted rows before the exit in the model's order, then the linear equations.
- * Tests and research programs may set a function with another method or other weights in
- * reduced_settings. EHD_NOT_CONVERGED: there is no solution. */
+/* Solves the least-squares problem of an iteration, step = argmin |matrix step + right|. The matrix
+ * has the weighted rows before the exit in the model's order, then the linear equations (projected
+ * elasticity and closure). Tests and research programs may set a function with another method or
+ * other weights in reduced_settings. EHD_NOT_CONVERGED: there is no solution. */
 typedef ehd_status reduced_linear_solver(double *step, // out: [num_unknowns]
                                          void *context,
                                          const double *matrix, // [num_rows, num_unknowns]
@@ -57,8 +57,8 @@ typedef ehd_status reduced_observer(void *context, const double *weighted_residu
                                     const double *weighted_step,                    // [num_rows]
                                     ehd_error *error);
 
-/* Receives the outcome at the end of a solution. If the iteration diverged, the values that the
- * observer received are larger than all other values together and should not be kept. */
+/* Receives the outcome at the end of a solution. The values that the observer received from a
+ * diverged iteration are larger than those of all other solutions together. Do not keep them. */
 typedef ehd_status reduced_observer_end(void *context, const reduced_info *info, ehd_error *error);
 
 /* The squeeze term: the time derivative of rho H is rate * rho H + previous. */
@@ -131,8 +131,8 @@ reduced_pressures reduced_pressure_range(reduced_solver *solver, const reduced_s
 contact_traction reduced_traction(reduced_solver *solver, const reduced_state *state,
                                   const ehd_contact *contact, const contact_scalars *scalars);
 
-/* Computes the values of the last solution. With `exit_at_node` the result is bit-identical to the
- * result of reduced_values_of. */
+/* Copies the values of the last solution at the needed nodes. With `exit_at_node` the result is
+ * bit-identical to the result of reduced_values_of. */
 void reduced_last_values(reduced_values *values, const reduced_solver *solver);
 
 /* P (zero behind the exit) and H of the last solution at the needed nodes, [num_needed]. */

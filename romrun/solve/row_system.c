@@ -229,8 +229,8 @@ static inline void add_listed_rows(double *restrict target, const double factors
 }
 
 /* Fills a row of the weighted reduced Jacobian: stencil coefficients times rows of the bases. For a
- * coupled basis, the rows of the film are those of the exit's checkpoint, which add_runs
- * corrects. */
+ * coupled basis, the rows of the film basis are those for the exit of the checkpoint. add_runs then
+ * updates the matrix to the present exit. */
 static void fill_reynolds_row(double *target, const row_system *self, const node_state *nodes,
                               size_t r) {
     const reduced_model *model = self->model;
@@ -268,9 +268,9 @@ static void fill_reynolds_row(double *target, const row_system *self, const node
     target[model->num_unknowns - 1] = weight * approach;
 }
 
-/* Computes the derivatives of an active row with respect to the pressures at the nodes of a block.
- * Products are rounded as in fill_reynolds_row, so that the contributions of removed nodes cancel
- * exactly. */
+/* Computes the derivatives of an active row with respect to the pressures at the nodes of a block,
+ * which act on the row through the deflection. Products are rounded as in fill_reynolds_row, so
+ * that the contributions of removed nodes cancel exactly. */
 static void fill_left_side(double *left, const row_system *self, size_t r, const size_t *index,
                            const double *sign, size_t rank) {
     const reduced_model *model = self->model;
@@ -293,7 +293,8 @@ static void fill_left_side(double *left, const row_system *self, size_t r, const
     }
 }
 
-/* Some of the nodes between the exit and its checkpoint. `sign` is that of cut_run. */
+/* Up to CUT_BLOCK nodes between the exit of the checkpoint and the present exit. `sign`: as in
+ * cut_run. */
 typedef struct cut_block {
     size_t rank, index[CUT_BLOCK]; // indices in the band
     double sign[CUT_BLOCK];
@@ -390,7 +391,7 @@ void system_fill_matrix(row_system *self, const node_state *nodes, double closur
 
 // ---- the exit's cell
 
-/* Returns D times the factor of the selected row nearest to a node. */
+/* Returns the weight (row_set) of the selected row nearest to a node. */
 static double nearest_weight(const row_set *rows, size_t node) {
     size_t best = 0;
 

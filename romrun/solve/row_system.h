@@ -68,9 +68,9 @@ double system_flow_doubt(row_system *self, const node_state *nodes, double rigid
  * - `last` not NULL: [num_needed] pressures of the state of the last time step, not set to zero
  *   behind the exit. Returns at each node the higher pressure of `last` and of the state in
  *   `nodes`.
- * - `last` NULL: call the function after system_evaluate. Where the pressure has risen, returns the
- *   pressure of the state. Where it has fallen, returns the pressure with the mobility of the
- *   linearised rows. */
+ * - `last` NULL: call the function after system_evaluate. Where the pressure has risen since the
+ *   last linearisation, returns the pressure of the state. Where it has fallen, returns the
+ *   pressure at which the mobility equals the mobility of the linearised rows. */
 const double *system_about(row_system *self, const node_state *nodes, double rigid_approach,
                            const ehd_contact *contact, const double *last);
 
@@ -98,8 +98,8 @@ size_t system_fill_right(row_system *self, const node_state *nodes, const double
 /* Fills the matrix (eq. 38) for the active rows, at the present exit. */
 void system_fill_matrix(row_system *self, const node_state *nodes, double closure_weight);
 
-/* Returns the weight of the closure, 1 + rate. The closure then grows as 1 / time step, as the
- * Reynolds rows do. */
+/* Returns the weight of the closure, 1 + rate. The weighted closure then grows as 1 / time step, as
+ * the Reynolds rows do. */
 double system_closure_weight(const reduced_squeeze *squeeze);
 
 #endif

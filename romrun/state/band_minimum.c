@@ -21,8 +21,8 @@ static double value_at(const band *self, size_t node) {
     return self->values->at(self->values->context, node);
 }
 
-/* Returns the smallest value near the node of `best`. Searches around the lowest node found so far,
- * with shorter and shorter strides. */
+/* Returns the smallest value near the node of `best`. Searches around the node with the smallest
+ * value found so far, with shorter and shorter strides. */
 static candidate refine_minimum(const band *self, candidate best, size_t stride) {
     while (stride > 1) {
         stride = (stride + 2) / 4;

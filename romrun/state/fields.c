@@ -100,7 +100,7 @@ void field_modes_flat(flat *file, field_modes *self, const reduced_model *model,
 
 // ---- fields
 
-/* Computes sums of modes at all nodes. */
+/* Computes the sum of the modes, multiplied by `coordinates`, at all nodes. */
 static void sum_modes(double *field, const double *modes, size_t column, size_t line,
                       const reduced_model *model, const double *coordinates) {
     const size_t width = grid_width(&model->grid);
@@ -111,8 +111,8 @@ static void sum_modes(double *field, const double *modes, size_t column, size_t 
                     coordinates);
 }
 
-/* Adds to the film the deflection by the pressures between the exit of a grid line and its
- * cut_exits. */
+/* Adds the deflection by the pressures between `cut_exit` and `exit` of a grid line to the film. If
+ * `exit` lies before `cut_exit`, subtracts this deflection. */
 static void deflect_run(double *film, const reduced_model *model, size_t line, size_t exit,
                         size_t cut_exit, const double *pressure) {
     const size_t width = grid_width(&model->grid), first = exit < cut_exit ? exit : cut_exit;

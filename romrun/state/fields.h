@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes fields of a reduced state on the whole grid. Only this computation has a cost that grows
  * with the grid. The fields are sums of the modes and of the deflections of the modes (eqs. 24 and
- * 26 of Maier et al. (2015)). The deflections are computed once, for modes that are cut at fixed
- * exits (cut_exits). The exits of a state lie elsewhere. The kernel gives the change of the
- * deflection between both exits, which is added. Called by film_splines.c, and by romrun/online for
- * results with fields. */
+ * 26 of Maier et al. (2015)). The deflections are computed once, for modes that are set to zero
+ * behind fixed exits (cut_exits). If the exits of a state lie elsewhere, the deflection by the
+ * pressures between these exits and cut_exits is computed with the kernel and added. Called by
+ * film_splines.c, and by romrun/online for results with fields. */
 #ifndef EHD_FIELDS_H
 #define EHD_FIELDS_H
 
@@ -13,10 +13,10 @@
 
 /* Modes on the whole grid. Several threads may use the modes, which never change. */
 typedef struct field_modes {
-    const double *pressure; // [num_nodes, num_pressure] uncut; owned by the caller
+    const double *pressure; // [num_nodes, num_pressure] not cut at an exit; owned by the caller
     size_t *cut_exits;      // [num_lines] medians of the trained exits
     // `deflection`: deflections of the modes cut at cut_exits, [num_pressure] for each node.
-    // `column` and `line`: distances in this table to the next column and to the next grid line
+    // `column` and `line`: distances in this table to the next column and the next line of the grid
     const double *deflection;
     size_t column, line;
     double *own; // `deflection` if this object owns the table, else NULL
@@ -31,7 +31,7 @@ ehd_status field_modes_init(
     const reduced_model *model, const double *pressure_basis, ehd_error *error);
 void field_modes_free(field_modes *self);
 
-/* Computes deflections that the object owns. Errors: EHD_MEMORY. */
+/* Computes `deflection` in a table that `self` owns. Errors: EHD_MEMORY. */
 ehd_status field_modes_deflect(field_modes *self, const reduced_model *model, ehd_error *error);
 
 /* Writes the modes to a flat file (romrun/model/flat.h), or reads them from it instead of

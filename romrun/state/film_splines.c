@@ -84,9 +84,9 @@ static ehd_status make_kernel_table(film_splines *self, const contact_kind *kind
 
 // ---- the modes
 
-/* Extends the model's grid before the contact and at its sides. If the frame has grown with the
- * load, the nodes of the present frame lie farther out in a previous frame. The extended grid is
- * wide enough for a load that has become 2.25 times as large. */
+/* Extends the model's grid upstream of the contact and at its sides. If the frame has grown with
+ * the load, the nodes of the present frame lie farther out in a previous frame. The extended grid
+ * is wide enough for a load that has become 2.25 times as large. */
 static void widen_grid(film_splines *self, const reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     const contact_kind *kind = model->kind;
@@ -343,9 +343,9 @@ static double sum_row(const node_sums *self, size_t at, size_t width) {
     return sum;
 }
 
-/* Returns the value of the pressure at a node or, for the `offset` of a curvature, this curvature.
- * With transport along the path (`path` not NULL) it is the value of the base plus the filtered
- * difference from the base. */
+/* Returns the sum of the pressure modes at a node or, if `offset` is the offset of a curvature,
+ * this curvature of the sum. With transport along the path (`path` not NULL) it is the value of the
+ * base plus the filtered difference from the base. */
 static double sum_modes(const previous_film *self, const path_films *path,
                         const film_splines *splines, size_t offset, size_t node) {
     const size_t width = splines->pressure_layout.width;
@@ -558,15 +558,15 @@ static double window_pressure(const previous_film *self, const spline_point *alo
            u[3] * self->curvature[i + 1];
 }
 
-/* Returns the column of the exit line between two grid lines. A boundary line has its neighbour's
- * exit. */
+/* Returns the column of the exit line between two grid lines. A boundary line is taken to have the
+ * exit of its neighbour. */
 static double exit_between(const size_t exits[2], const double *across) {
     size_t own = exits[0] > 1 ? exits[0] : exits[1], next = exits[1] > 1 ? exits[1] : exits[0];
 
     return across[0] * (double)own + across[2] * (double)next;
 }
 
-/* Returns P of a point contact: P of the uncut modes before the exit line, zero behind it. */
+/* Returns P of a point contact: the sum of the modes before the exit line, zero behind it. */
 static double pressure_before_exit(const previous_film *self, const spline_point *along,
                                    const spline_point *across, const film_splines *splines,
                                    const path_films *path) {
@@ -687,9 +687,9 @@ static double base_film(const path_films *path, const spline_point *along,
            contact_gap(&splines->grid.shape, x, y);
 }
 
-/* Places of one node in the frames of several states. If `before` is set in find_points, a place is
- * where the fluid was at the time of the state. Otherwise a place follows only the change of the
- * frame. */
+/* Places of one node in the frames of several states. If `before` is true in find_points, a place
+ * is where the fluid was at the time of the state. Otherwise it is the same physical place as the
+ * node. */
 typedef struct path_points {
     double x[BDF_PREVIOUS], y[BDF_PREVIOUS];
     spline_point along[BDF_PREVIOUS], across[BDF_PREVIOUS];
@@ -725,8 +725,8 @@ void path_film_masses(double *mass, const previous_film *const *films, size_t nu
                         evaluate_one(path->base_cut, &path->base_layout, along, across);
         double stays =
             base_film(path, &here.along[i], &here.across[i], here.x[i], here.y[i], splines);
-        if (compressible) { // for an incompressible lubricant the two films of the base at the
-                            // earlier place cancel
+        if (compressible) { // both densities differ, so the film of the base at the earlier place
+                            // does not cancel
             const double film = base_film(path, along, across, before.x[i], before.y[i], splines);
             const double of_base = density_at(base, along, across, splines, path, reference);
             const double own = density_at(self, along, across, splines, path, reference);

@@ -4,7 +4,7 @@
  * a state is their sum, weighted by the coordinates of the state. The splines hold for modes that
  * are cut at cut_exits (fields.h). Splines of the kernel therefore add the deflection that the
  * pressures between cut_exits and the exit line of the state cause. Called by romrun/online for
- * each step, and by snapgen/residuals.c. */
+ * each time step, and by snapgen/residuals.c. */
 #ifndef EHD_FILM_SPLINES_H
 #define EHD_FILM_SPLINES_H
 
@@ -39,7 +39,7 @@ typedef struct film_splines {
     spline_layout kernel_layout;
     double *kernel; // [lines, columns, 2 or 4] by distance; twice the lines for mirrored half grids
     spline_layout pressure_layout;
-    double *pressure;   // [num_nodes of the model, 2 or 4, num_pressure] uncut
+    double *pressure;   // [num_nodes of the model, 2 or 4, num_pressure] not cut at an exit
     field_modes fields; // modes on the whole grid; coupled: their deflections are in `film`
 } film_splines;
 
@@ -62,18 +62,19 @@ void film_splines_flat_free(film_splines *splines);
 struct previous_film;
 
 /* Additional data for transport along the path of the fluid (common/time/README.md, Along the
- * path). The base is the initial state. Only the differences of the states from the base are
- * carried. All steps have the same base, so the film of the base is summed over the modes only
- * once. */
+ * path). The base is the initial state of a run. Only the differences between the states and the
+ * base are carried along the path. The base is the same in all time steps, so its film is summed
+ * over the modes only once. */
 typedef struct path_films {
     double *film,
         *pressure;                    // filtered modes; `pressure` is NULL if incompressible
     const struct previous_film *base; // the base, prepared and owned by the caller
     spline_layout base_layout, base_pressure_layout;
     double *base_film;     // [num_nodes of the splines' grid, 2 or 4] H0 and deflection
-    double *base_cut;      // part of base_film that add_cut computes
-    double *base_pressure; // [num_nodes of the model, 2 or 4] uncut P; only for compressible
-                           // lubricants
+    double *base_cut;      // part of base_film: deflection by the pressures between
+                           // fields.cut_exits and the exits of the base
+    double *base_pressure; // [num_nodes of the model, 2 or 4] sum of the pressure modes, not cut at
+                           // the exit; only for compressible lubricants
 } path_films;
 
 /* Makes the tables of the filtered modes. If the lubricant is incompressible, the tables of the
@@ -90,8 +91,8 @@ void path_films_free(path_films *self);
 void path_films_set_base(path_films *self, const struct previous_film *base,
                          const reduced_model *model, const film_splines *splines);
 
-/* Values and curvatures of a state at nodes. They are sums over the modes, which are computed when
- * first needed. */
+/* Values and curvatures of the film or the pressure of a state at nodes. They are sums over the
+ * modes, which are computed when first needed. */
 typedef struct node_sums {
     const spline_layout *layout;
     const double *table, *coordinates; // table of the modes, and the state's coordinates
@@ -103,11 +104,11 @@ typedef struct node_sums {
     size_t state;                      // number of the present state, from 1 on
 } node_sums;
 
-/* Number of nodes in the window around the exit of a line contact, where the cut pressure has a
- * spline of its own. */
+/* Number of nodes in the window around the exit of a line contact. In the window the pressure,
+ * which is zero from the exit on, has a spline of its own. */
 enum { EXIT_WINDOW = 64 };
 
-/* An accepted state, prepared for evaluation. */
+/* A state of a transient run, prepared for evaluation at any point. */
 typedef struct previous_film {
     contact_frame frame;
     reduced_state state;
@@ -116,42 +117,44 @@ typedef struct previous_film {
     cut_run *runs;           // [num_lines] runs between fields.cut_exits and the state's exit line
     size_t num_cut;          // number of nodes in the runs
     grid_position *cut_node; // [num_cut] nodes of the runs, in the grid of the splines
-    double *cut_pressure;    // [num_cut] uncut P at these nodes, times the sign of the run
-    node_sums film;          // deflection by the pressures cut at the state's own exits, without H0
-    node_sums pressure;      // uncut P; only for compressible lubricants
+    double *cut_pressure;    // [num_cut] sum of the modes at these nodes, times the sign of the run
+    node_sums film;          // deflection by the pressures before the state's own exits, without H0
+    node_sums pressure;      // P, not set to zero behind the exit; only for compressible lubricants
     // line contacts only:
     size_t window_begin, window_size;                   // first node and size of the window
-    double window[EXIT_WINDOW], curvature[EXIT_WINDOW]; // cut P; only for compressible lubricants
+    double window[EXIT_WINDOW], curvature[EXIT_WINDOW]; // P, 0 behind exits; only if compressible
 } previous_film;
 
-/* Allocates a state of the model. Errors: EHD_MEMORY. */
+/* Allocates the arrays for a state of the model. Errors: EHD_MEMORY. */
 ehd_status previous_film_init(previous_film *self, const reduced_model *model,
                               const film_splines *splines, ehd_error *error);
 void previous_film_free(previous_film *self);
 
-/* Prepares a state. The caller has already set `frame` and `state`, and fills `values`. */
+/* Prepares a state for evaluation. The caller has already set `frame` and `state`. The caller also
+ * sets `values`, before or after this call. */
 void previous_film_prepare(previous_film *self, const reduced_model *model,
                            const film_splines *splines, const ehd_contact *reference);
 
-/* Prepares a state for transport along the path. The fraction `share` of the filter's change is
- * applied (frame_step_share). */
+/* Prepares a state for evaluation with transport along the path. The filter of path_films changes
+ * the difference between the state and the base. Of this change, the fraction `share` from 0 to 1
+ * is applied (frame_step_share). */
 void previous_film_prepare_path(previous_film *self, const path_films *path, double share,
                                 const reduced_model *model, const film_splines *splines,
                                 const ehd_contact *reference);
 
-/* Returns how much the applied fraction of the filter changes the film, at a node of the state's
- * own frame. The state must have been prepared by previous_film_prepare_path. */
+/* Returns the change of the film, at a node of the state's own frame, that the fraction `share` of
+ * the filter causes. The state must have been prepared by previous_film_prepare_path. */
 double path_filter_change(const previous_film *self, size_t node, const reduced_model *model,
                           const film_splines *splines);
 
-/* Computes rho H of up to BDF_PREVIOUS states, mass[num_films], at node `node` of frame `now`. The
- * density of a point contact follows from the uncut modes before the exit line. The exit line is
- * straight between grid lines. */
+/* Computes rho H of up to BDF_PREVIOUS states, mass[num_films], at node `node` of frame `now`. For
+ * the density of a point contact, P is the sum of the modes before the exit line, and zero behind
+ * it. The exit line is straight between grid lines. */
 void previous_film_masses(double *mass, const previous_film *const *films, size_t num_films,
                           size_t node, const contact_frame *now, const reduced_model *model,
                           const film_splines *splines, const ehd_contact *reference);
 
-/* Return H and the uncut P of a state at a node of its own frame. */
+/* Return H and P of a state at a node of its own frame. P is not set to zero behind the exit. */
 double previous_film_thickness(const previous_film *self, size_t node, const reduced_model *model,
                                const film_splines *splines);
 double previous_film_pressure(const previous_film *self, size_t node, const reduced_model *model,

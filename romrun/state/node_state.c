@@ -258,8 +258,9 @@ static double film_between(size_t *node, const node_state *self, size_t q, film_
     return minimum_around(&self->model->grid, *node, film, context);
 }
 
-/* Returns the lowest needed node of a line contact that has pressure and lies before the band.
- * Excludes the last needed node. Returns 0 if there is no such node. */
+/* Returns the needed node of a line contact with the smallest film, among the nodes that have
+ * pressure and lie before the band. Excludes the last needed node. Returns 0 if there is no such
+ * node. */
 static size_t lowest_before_band(const node_state *self) {
     const reduced_model *model = self->model;
     size_t best = 0;
@@ -297,8 +298,8 @@ static bool is_dip(const node_state *self, size_t q) {
 
 /* Returns the smallest film of the needed nodes with pressure, and its node. In a transient contact
  * a film minimum may pass through the part of the contact before the band. For a line contact with
- * the accurate rows, the film is interpolated between nodes in each dip before the band, as in the
- * full model. */
+ * the accurate discretisation, the film is interpolated between nodes in each dip before the band,
+ * as in the full model. */
 static double smallest_needed(size_t *node, const node_state *self, film_function *film,
                               const void *context) {
     const row_set *rows = &self->model->rows;

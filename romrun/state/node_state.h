@@ -13,7 +13,7 @@
 /* Pressure and film that belong to reduced coordinates, at the present exit line. */
 typedef struct node_fields {
     reduced_values values;   // values at the exit's checkpoint; not filled if the caller has them
-    double *pressure, *film; // [num_needed] P, zero behind the exit, and H; for a step, H is
+    double *pressure, *film; // [num_needed] P, zero behind the exit, and H; for a Newton step, H is
                              // without the gap
     double *cut;             // [rows of the cut table] the cut table times z
 } node_fields;
@@ -23,12 +23,12 @@ typedef struct node_state {
     size_t *exit;      // [num_lines] present exit line; 0: no exit line yet
     bool *pressurised; // [num_needed] true: the node lies before the exit
     size_t checkpoint; // checkpoint of the exit (reduced_model_checkpoint)
-    cut_run *runs;     // [num_lines] runs between the checkpoint's exit line and the present one
+    cut_run *runs;     // [num_lines] runs between the checkpoint's and the present exit line
     size_t num_runs;
     node_fields now, step; // fields of the present state, and of a Newton step
     double *band_pressure; // [nodes of the band] P, filled on demand
     double least_in_band;  // smallest H in the band (nodes_minimum_film)
-    size_t lowest_in_band; // node with this film
+    size_t lowest_in_band; // node of least_in_band
 } node_state;
 
 /* Initialises `self` with memory from an arena. The model must outlive `self`. */
@@ -49,7 +49,8 @@ void nodes_expand(node_fields *fields, node_state *self, const reduced_values *k
 /* Computes the fields of nodes_expand for the present state into self->now. H includes the gap. */
 void nodes_expand_state(node_state *self, const reduced_values *known, const double *z);
 
-/* Adds `factor` times the step to self->now.values, which must have been filled. */
+/* Adds `factor` times the values of the Newton step, self->step.values, to self->now.values. Both
+ * must have been filled. */
 void nodes_add_step(node_state *self, double factor);
 
 /* Returns H or P at X = 0 from values at the needed nodes. */

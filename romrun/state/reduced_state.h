@@ -27,8 +27,9 @@ void reduced_state_free(reduced_state *state);
 void reduced_state_copy(reduced_state *target, const reduced_state *source,
                         const reduced_model *model);
 
-/* Return and set the exit line as nodes, [num_lines]. An exit outside of the model's band is moved
- * to the nearest column of the band. This happens to training solutions without an exit. */
+/* Return and set the exit line as columns, [num_lines]. An exit outside of the range from min_exit
+ * to max_exit (band_line) is moved to the nearest end of this range. This happens to training
+ * solutions without an exit. */
 const size_t *reduced_state_exits(const reduced_state *state);
 void reduced_state_set_exits(reduced_state *state, const reduced_model *model, const size_t *exits);
 
@@ -37,11 +38,11 @@ void reduced_state_set_exits(reduced_state *state, const reduced_model *model, c
 bool reduced_exit_divides(const reduced_state *state, const reduced_model *model);
 double reduced_exit_position(const reduced_state *state, const reduced_model *model);
 
-/* Values of a state at the needed nodes (row_set), which are all nodes of the rows' stencils. The
- * values of one checkpoint are linear in the coordinates. */
+/* Values of a state at the needed nodes (row_set), which are all nodes of the rows' stencils. For a
+ * given checkpoint, the values are linear in the coordinates. */
 typedef struct reduced_values {
     size_t checkpoint; // checkpoint of the exit (reduced_model_checkpoint)
-    double *pressure;  // [num_needed] P, uncut
+    double *pressure;  // [num_needed] P, not set to zero behind the exit
     double *cut;       // [rows of the cut table] the checkpoint's cut table times z
 } reduced_values;
 
@@ -50,14 +51,15 @@ ehd_status reduced_values_init(reduced_values *values, const reduced_model *mode
                                ehd_error *error);
 void reduced_values_free(reduced_values *values);
 
-/* Compute the values of coordinates. reduced_values_at uses a given checkpoint, reduced_values_of
+/* Compute the values from coordinates. reduced_values_at uses a given checkpoint, reduced_values_of
  * the checkpoint of an exit line. */
 void reduced_values_at(reduced_values *values, const reduced_model *model,
                        const double *coordinates, size_t checkpoint);
 void reduced_values_of(reduced_values *values, const reduced_model *model,
                        const double *coordinates, const size_t *exit);
 
-/* Computes P, uncut, at `count` nodes of the band from index `first` on. */
+/* Computes P at `count` nodes of the band from index `first` on. P is not set to zero behind the
+ * exit. */
 void reduced_band_pressure(double *pressure, const reduced_model *model, const double *coordinates,
                            size_t first, size_t count);
 

@@ -26,8 +26,8 @@ typedef struct film_moves {
 struct functionals {
     const reduced_model *model;
     solved_system solved; // the last solution
-    double *unsolved;     // [system_max_rows] square of the residual after the last step, plus the
-                          // squared change by the iterations that were not made
+    double *unsolved;     // [system_max_rows] square of the residual after the last Newton step,
+                          // plus the squared change by the iterations that were not made
     double *square;       // [system_max_rows] `unsolved` plus the squares of control residuals
     double *gradients;    // [BLOCK, num_unknowns]
     double *moves;        // [system_max_rows]
@@ -90,7 +90,7 @@ static const solved_system *take_solution(functionals *self, reduced_solver *sol
     const solved_system known = *solved;
 
     *solved = reduced_solved_system(solver);
-    if (solved->nodes != known.nodes) // another solver, with its own numbers of matrices
+    if (solved->nodes != known.nodes) // another solver, which numbers its own matrices
         for (int q = 0; q < NUM_REDUCED_FILMS; q++)
             self->films[q].matrix_number = 0;
     else if (solved->solution_number == known.solution_number)
@@ -221,8 +221,8 @@ double functionals_film_error(double *influence, functionals *self, reduced_solv
 
 // ---- other quantities
 
-/* Returns the largest error of P or H over the nodes of the rows before the exit. Other needed
- * nodes are left out, because all of them are near such a node. */
+/* Returns the largest error of P or H over the nodes of the rows before the exit. Needed nodes
+ * without a row are left out, because all of them are near a node with a row. */
 static double largest_field_error(functionals *self, bool of_film, const double *added) {
     const reduced_model *model = self->model;
     const node_state *nodes = self->solved.nodes;

@@ -2,11 +2,11 @@
 /* Computes the errors of quantities of a solution from residuals (romrun/trust/README.md, Error
  * estimates).
  *
- * A quantity is given by its gradient, the derivatives with respect to the unknowns. The
- * gradient and the factors of the last step give the change of the quantity that an error of 1 in
+ * A quantity is given by its gradient, the derivatives with respect to the unknowns. The gradient
+ * and the factors of the last Newton step give the change of the quantity that an error of 1 in
  * each row causes. The error of the quantity is the root of the sum, over the rows, of (residual
  * times this change)^2. The residual of a row has three parts, whose squares are added:
- * - D f + D J dz, which the last step leaves;
+ * - D f + D J dz, the residual after the last Newton step dz;
  * - solved_system.remaining times D J dz, for the iterations that were not made;
  * - the residuals of the control rows near this row, given as `added`.
  * Called by indicator.c, reduced_march.c and reduced_tangent.c. */
@@ -51,11 +51,12 @@ reduced_errors functionals_other_errors(
     functionals *self, reduced_solver *solver,
     // input:
     const reduced_state *state, const ehd_contact *contact,
-    const double *added); // [rows of the model] sum of the squared residuals of the control rows
-                          // nearest to this row; added to the square of the row's own residual
+    const double *added); // [rows of the model] for each row, the sum of the squared residuals of
+                          // the control rows nearest to this row; added to the square of the
+                          // row's own residual
 
-/* Returns the error of P at that node of a row at which P is largest. This takes a fraction of the
- * time of functionals_other_errors. */
+/* Returns the error of the largest P among the nodes of the rows. This takes a fraction of the time
+ * of functionals_other_errors. */
 double functionals_peak_error(functionals *self, reduced_solver *solver, const double *added);
 
 /* Returns the error of the friction of the last stationary solution, divided by the reference load.
@@ -76,7 +77,7 @@ void functionals_moves(
     // input:
     const double *matrix, size_t num_rows, size_t num_columns); // J
 
-/* Computes the residuals after a step, right + J step. */
+/* Computes the residuals after a Newton step, right + J step. */
 void functionals_left(double *left, const double *right, const double *matrix, const double *step,
                       size_t num_rows, size_t num_columns);
 

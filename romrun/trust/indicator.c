@@ -17,15 +17,15 @@ struct indicator {
     double *pressure, *film; // [num_needed] at the needed nodes of the control rows
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
     far_field outer;         // far field at the boundary nodes among the needed nodes
-    double *band_pressure;   // [nodes of the band] P between the exit and its checkpoint
-    cut_run *runs;           // [num_lines]
+    double *band_pressure;   // [nodes of the band] P at the nodes of `runs`
+    cut_run *runs;           // [num_lines] runs between the checkpoint's exit line and the exit
     reynolds_row *rows;      // [num_rows] the control rows
     double *residual;        // [num_rows] residuals of the control rows, weighted
     double *influence;       // [rows of the model] influence of rows on a film
-    size_t *nearest;         // [num_rows] nearest row of the model with an influence
-    size_t *nearest_of_all;  // [num_rows] nearest row of the model, even without influence
-    double *added; // [rows of the model] sum of the squared residuals of the control rows whose
-                   // `nearest` is this row
+    size_t *nearest;         // [num_rows] nearest row of the model whose influence is not 0
+    size_t *nearest_of_all;  // [num_rows] nearest row of the model, whatever its influence
+    double *added; // [rows of the model] for each row, the sum of the squared residuals of the
+                   // control rows whose `nearest` is this row
     arena memory;
 };
 
@@ -64,8 +64,9 @@ indicator *indicator_create(const reduced_model *model) {
     return self;
 }
 
-/* Returns H at a needed node for the exit of the checkpoint. The deflection by the runs, the nodes
- * between this exit and the present exit, is missing. */
+/* Returns H at a needed node of the control rows for the exit line of the checkpoint. The result
+ * does not contain the deflection by the runs, the nodes between this exit line and the present
+ * exit line. */
 static double film_at_checkpoint(const reduced_model *model, size_t q, const double *z,
                                  size_t checkpoint) {
     const row_set *control = &model->control;

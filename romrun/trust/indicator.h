@@ -47,7 +47,7 @@ void indicator_bound_others(double bounds[NUM_INDICATED], indicator *self, reduc
 /* Returns the bound of the error of the largest pressure, in Hertz pressures, for the solution that
  * indicator_bound was just called for. The bound is computed like INDICATED_PRESSURE of
  * indicator_bound_others, but only at the node of the largest pressure. This takes a hundredth of
- * the time. */
+ * the time of indicator_bound_others. */
 double indicator_bound_peak(indicator *self, reduced_solver *solver);
 
 /* Returns the bound of the relative error of the friction force, for the solution that

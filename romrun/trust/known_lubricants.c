@@ -76,7 +76,7 @@ struct lubricant_memory {
     hull_space *hull;
     double *differences; // [NUM_DIFFERENCES, count]
     char reason[128];
-    // the last check: if the lubricant is the same again, as in a march, its answer is reused
+    // the last check: if the next lubricant is the same, as in a march, `answer` is reused
     bool has_last, in_time;
     ehd_lubricant last;
     const char *answer;
@@ -103,8 +103,9 @@ const char *lubricant_memory_reason(const lubricant_memory *self) {
     return self->reason;
 }
 
-/* Finds the differences of a known lubricant from `lubricant`. Returns false if `lubricant` has no
- * viscosity at the pressure where both have the same alpha p. */
+/* Finds the differences between a known lubricant and `lubricant`, at the pressure where alpha p of
+ * `lubricant` equals alpha p_H of the known lubricant. Returns false if `lubricant` has no
+ * viscosity at this pressure. */
 static bool compare(double differences[NUM_DIFFERENCES], const shown_lubricant *known,
                     const ehd_lubricant *lubricant) {
     const lubricant_rises here = lubricant_rises_at(lubricant, known->alpha_p_H / lubricant->alpha);

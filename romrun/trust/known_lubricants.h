@@ -25,8 +25,8 @@ const char *lubricant_memory_reason(const lubricant_memory *self);
 /* Returns NULL for a lubricant that is similar to a known lubricant or lies between known
  * lubricants (README.md, Lubricants). Otherwise returns a text that names the law, valid until the
  * next call with this memory. The lubricants of the training are known. If `in_time`, the
- * lubricants of the calibration's trajectories are also known, otherwise those of its stationary
- * scenes. */
+ * lubricants of the calibration's trajectories are also known, otherwise the lubricants of its
+ * stationary scenes. */
 const char *known_lubricants_check(const known_lubricants *self, lubricant_memory *memory,
                                    const ehd_lubricant *lubricant, bool in_time);
 

@@ -207,10 +207,10 @@ static void expand(time_indicator *self, const previous_film *state, const reduc
     }
 }
 
-/* Finds, for each node of the inlet, the fraction of a source of fluid that flows on into the
- * contact. A source raises the pressure on both of its sides. This pressure is an integral of 1/H^3
- * over X. The wanted fraction is the integral over the part of the inlet before the source, divided
- * by the integral over the whole inlet. */
+/* Finds, for each control node of the inlet, which fraction of the fluid from a source at this node
+ * flows on into the contact. A source raises the pressure on both of its sides. This pressure is an
+ * integral of 1/H^3 over X. The wanted fraction is the integral over the part of the inlet upstream
+ * of the source, divided by the integral over the whole inlet. */
 static void find_shares(time_indicator *self) {
     double before = 0;
 
@@ -247,8 +247,8 @@ void time_indicator_evaluate(time_indicator *self, const previous_film *state,
         const bool before =
             reduced_model_column(model, node) < exit[reduced_model_line(model, node)];
         const bool at_exit = i >= self->num_nodes;
-        // at a node without pressure (behind the exit or behind the end of all modes) the
-        // multiplier is -residual, so only a positive residual, an excess of fluid, is an error
+        // at a node without pressure (behind the exit, or where all modes are zero) the multiplier
+        // is -residual, so only a positive residual, an excess of fluid, is an error
         const bool full = at_exit ? self->pressure[self->stencils[i].node[NODE_HERE]] > 0 : before;
         self->residual[i] = full ? fabs(residual) : at_exit ? fmax(residual, 0) : 0;
     }
@@ -265,8 +265,8 @@ static double at_most_all(const time_indicator *self, size_t i, double error) {
     return error < film ? error : film;
 }
 
-/* Returns the error of rho H of the films that enter. This error is caused by the fluid that the
- * residuals in the inlet add. */
+/* Returns the error of rho H of the films that enter the contact. This error is caused by the fluid
+ * that the residuals in the inlet add. */
 static double entering(const time_indicator *self, double entrainment) {
     const size_t last = self->num_inlet - 1;
     double added = 0;
@@ -378,7 +378,7 @@ void time_indicator_clear(time_indicator *self) {
     self->local = self->kept_local = (local_errors){0};
 }
 
-// ---- errors of the attempt
+// ---- carried errors of the attempted step
 
 double time_indicator_central(const time_indicator *self) {
     return film_errors_largest(&self->errors, -CENTRE, BEHIND_CENTRE);

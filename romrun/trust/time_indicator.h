@@ -49,10 +49,11 @@ typedef struct time_indicator {
     size_t placed;           // exit around which the num_at_exit nodes lie; 0: no such nodes
     double *pressure, *film; // [num_needed] P and H of the attempted step
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
-    double *previous;        // [num_nodes + num_at_exit] sums of previous rho H, set by the caller
+    double *previous;        // [num_nodes + num_at_exit] weighted sums of rho H of previous
+                             // states (reynolds_squeeze), set by the caller
     double *entrained;       // [num_nodes] d(rho H)/dX of the base (common/time/README.md, Along
                              // the path), set by the caller
-    double *share;           // [num_inlet] fraction of a fluid source that flows into the contact
+    double *share;           // [num_inlet] fraction of a source of fluid that enters the contact
     reynolds_row *rows;      // [num_nodes + num_at_exit]
     double *residual;        // [num_nodes + num_at_exit] absolute value of the residual
     film_errors errors;      // bound of the carried errors, without the factor
@@ -86,7 +87,7 @@ void time_indicator_evaluate(
 
 /* Carries the errors from the frame `then` to the frame `now` of the evaluated state. The residuals
  * in the inlet cause errors of the films that enter with the dimensionless `entrainment`. The
- * residuals inside of the contact add the errors of this step, whose length is `step`. */
+ * residuals inside of the contact add the errors of this time step, whose length is `step`. */
 void time_indicator_carry(time_indicator *self, const contact_frame *then, const contact_frame *now,
                           double entrainment, double step);
 

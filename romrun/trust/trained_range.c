@@ -76,7 +76,7 @@ struct trained_range {
     hull_edge *edges; // [count], counter-clockwise, in units of `extent`
     size_t count;
     // limits of all points, in units of `extent`. They are needed if all points lie on a straight
-    // line: because of round-off their hull may then be a sliver that does not end
+    // line: because of round-off, the edges of the hull may then not bound the range along it
     point low, high;
     point extent;
     double slack;     // distance outside of the hull accepted as inside, in units of `extent`
@@ -334,8 +334,8 @@ static const char *check(const trained_range *self, range_memory *memory, contac
         return "outside of the trained range of M and alpha p_H";
     if (self->points) {
         put_column(here, 1, place, self);
-        // accepts candidates that adaptive training did not take as corners, since they lie
-        // outside of the hull of the other corners only by round-off
+        // accepts candidates that adaptive training (snapgen/adaptive.c) did not take as corners of
+        // the hull, since they lie outside of the hull of the corners only by round-off
         const double slack = fmax(self->slack, 1e-8);
         if (!(hull_distance_in(memory->hull, self->outer, self->num_outer, RANGE_AXES, here) <=
               slack) &&
@@ -388,7 +388,8 @@ double trained_range_outside(const trained_range *self, range_memory *memory, co
     trained_place(place, of);
     const double of_plane = outside_plane(self, place);
     if (!trained_range_check(self, memory, of, NULL)) return fmin(of_plane, 0);
-    // inside of the box but outside of the hull: converts the distance by the smaller extent
+    // for a place inside of the box but outside of the hull: the distance from the hull, converted
+    // from units of the extents by the smaller extent
     const double beside = fmin(self->extent.M, self->extent.pressure) * of_plane;
     return fmax(fmax(outside_box(self, place), beside), DBL_MIN);
 }

@@ -5,8 +5,8 @@
  *
  * Each contact takes steps of 0.005 by ehdrom_step_many and ehdrom_accept, under a load that swings
  * by a tenth. With REPEATS the program runs one and two threads alternately, and compares their
- * least times. The exit code is 1 if two threads are less than 1.9 times as fast, or if one waits
- * for the other. On a busy machine the threads do not run all the time, so processor time is
+ * shortest times. The exit code is 1 if two threads are less than 1.9 times as fast, or if one
+ * waits for the other. On a busy machine the threads do not run all the time, so processor time is
  * compared instead: contention for memory or caches makes it longer, and a lock shows as waiting.
  * Without REPEATS the program runs once in one thread, for callgrind (costs.sh). */
 #include <ehdrom.h>

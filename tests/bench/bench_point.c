@@ -18,7 +18,7 @@
 enum { FEWEST_CELLS = 64, MOST_CELLS = 512, COMPARED_CELLS = 256, NUM_SIZES = 4 };
 static const double MOST_CONVERGED = 46, MOST_TRUNCATED = 3 * 4.7; // in products of matrices
 static const double MOST_TIME_EXPONENT = 1.5, MOST_MEMORY_EXPONENT = 1.3;
-// at this scaled residual the error of the iteration is below the error of the grid
+// at this scaled residual the error of the iteration is below the discretisation error
 static const double TRUNCATED = 1e-3;
 
 // ---- the unit of time: a product of matrices

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Measures how many stationary contacts the library solves in a second on one core, each with
- * another setting:
+ * another value of one setting:
  *
  *     bench_solve MODEL SCENE.yml COUNT KEY FROM TO
  *

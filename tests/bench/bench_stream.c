@@ -152,7 +152,7 @@ static void read_once(void *result, const void *context) {
     end(result);
 }
 
-/* Multiplies blocks of snapshots with the vectors, as the streaming POD does. */
+/* Multiplies blocks of snapshots with work->rank vectors, as the streaming POD does. */
 static void multiply(void *result, const void *context) {
     enum { BLOCK = 128 };
     const task *work = context;

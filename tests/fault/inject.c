@@ -14,7 +14,7 @@
  *     last    this call and all later ones fail, as on a full disk
  *     short   half of the data is written; of a mapped file only the first page is mapped
  *     kill    the process ends before the call
- *     tear    the process ends during a write, at the first end of a page
+ *     tear    the process ends during a write, at the first page boundary in the data
  *     power   the process ends; each page written since the last sync of its file may have any
  *             earlier state on the disk, and a file that has grown may have its earlier size
  *
@@ -134,7 +134,7 @@ typedef struct written_file {
 /* Earlier content of a written part of a page. */
 typedef struct change {
     struct change *before;
-    written_file *of; // NULL: synced
+    written_file *of; // file that was written
     off_t at;
     size_t size;
     bool kept; // the write has reached the disk

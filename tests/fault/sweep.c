@@ -13,10 +13,10 @@
  *                 times in all
  *
  * A run is right in three cases: it behaves as without the fault; or it prints one line, exits with
- * the code of the kind and leaves no output; or it was killed. After each run, a file with the name
- * of the output must be complete. If the command is then started again, it must make the same data
- * to the last bit. If a library that is not ours made the refused allocation, the process may end
- * in any way. Such ends are counted separately.
+ * a code that KIND allows (`expected`) and leaves no output; or it was killed. After each run, a
+ * file with the name of the output must be complete. If the command is then started again, it must
+ * make the same data to the last bit. If an external library made the refused allocation, the
+ * process may end in any way. Such ends are counted separately.
  *
  * Prints one line of counts, and a line to stderr for each wrong run. The exit code is 1 if there
  * was a wrong run. */
@@ -44,7 +44,7 @@ static char reference[TEXT], partial[TEXT], finishing[TEXT], saved[TEXT], draft[
 
 static const struct {
     const char *kind;
-    int codes[4]; // exit codes allowed if the fault makes a run fail, then 0
+    int codes[4]; // exit codes allowed if the fault makes a run fail, with 0 behind them
 } expected[] = {{"memory", {71}}, {"open", {66, 73, 74}}, {"read", {74}},       {"write", {73, 74}},
                 {"sync", {74}},   {"close", {74}},        {"rename", {73, 74}}, {"map", {74}}};
 
@@ -280,7 +280,7 @@ static const char *fault_of_end(const outcome *found, const outcome *without) {
     if (found->hung) return "it hangs";
     if (WIFSIGNALED(found->status))
         return deadly && WTERMSIG(found->status) == SIGKILL ? NULL : "it crashed";
-    // a failing rename or unlink may leave the draft
+    // a failing rename or unlink may leave the draft, OUTPUT.unchecked
     if (exists(draft) && strcmp(kind, "rename") != 0) return "left a draft";
     if (found->status == without->status && strcmp(found->text, without->text) == 0)
         return exists(output) ? NULL : "no output";
@@ -291,8 +291,8 @@ static const char *fault_of_end(const outcome *found, const outcome *without) {
     return exists(output) ? "it failed, but its output is there" : NULL;
 }
 
-/* If the command left a partial file, starts it again. Returns NULL if the output then has the data
- * of a run without a fault. */
+/* If the command left a partial file and no output, starts the command again. Returns NULL if the
+ * output has the data of a run without a fault, else the error. */
 static const char *fault_of_recovery(const outcome *without) {
     const bool was_there = exists(output), left = exists(partial) || exists(finishing);
     const char *wrong = was_there ? difference() : NULL;

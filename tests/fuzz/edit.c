@@ -70,9 +70,9 @@ static bool dataset_read(dataset *self, const edited *from, const char *name) {
     return self->rank >= 0;
 }
 
-// ---- scales
+// ---- dimension scales of HDF5
 
-/* Attaches or detaches the scale of one axis of one field. */
+/* Attaches or detaches the dimension scale of one axis of one field. */
 static void set_scale(const edited *self, const char *field, const char *axis, unsigned place,
                       bool attach) {
     const hid_t id = open_dataset(self, field), scale = open_dataset(self, axis);
@@ -97,7 +97,8 @@ static void take_away(const edited *self, const char *name) {
         H5Ldelete(self->file, name, H5P_DEFAULT);
 }
 
-/* Attaches or detaches the scale of each axis of a field if the field or the axis has this name. */
+/* Attaches or detaches the dimension scales of all fields: those of the field `name`, or those of
+ * the axis `name`. */
 static void set_scales(const edited *self, const char *name, bool attach) {
     const artefact_field *field = self->schema ? self->schema->fields : NULL;
     for (; field && field->name; field++) {

@@ -20,8 +20,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Applies edits to a file. `schema` assigns datasets to axes; NULL: no schema. Edits are made in a
- * separate process. Returns false if HDF5 itself crashed or hung; the file may then have any
+/* Applies edits to a file. `schema` gives the axes of the datasets; NULL: no schema. Edits are made
+ * in a separate process. Returns false if HDF5 itself crashed or hung; the file may then have any
  * content. HDF5 1.10.8 crashes when it removes attributes from objects of its newer format
  * (H5O_condense_header). */
 bool edit_file(const char *path, const artefact_schema *schema, const char *text, size_t length);

@@ -215,7 +215,7 @@ static bool edit_line(edited *self, char *line) {
 }
 
 void flat_edit_file(const char *path, const char *text, size_t length) {
-    enum { MAX_EDITS = 6 }; // readers stop at the first edit that they refuse; more are useless
+    enum { MAX_EDITS = 6 }; // readers stop at the first edit that they refuse, so more are useless
     static edited self;
     size_t size, num_edits = 0;
     char *copy = strndup(text, length), *rest = NULL;

@@ -13,10 +13,10 @@
  *     header INDEX VALUE        sets 8 bytes of the file's header
  *     cut BYTES                 removes bytes at the file's end
  *
- * One more edit does not change the file, but the state of a contact that uses the model
- * (target.c):
+ * One further edit, which target.c applies, does not change the file, but the saved state of a
+ * contact that uses the model:
  *
- *     state INDEX VALUE         sets a number of the contact's saved state
+ *     state INDEX VALUE         sets a number of the saved state
  *
  * BLOCK is a name or a number. Numbers of blocks and indices are taken modulo the number of blocks
  * and of values. The length in the file's header is updated, the checksum is not. Edits that make

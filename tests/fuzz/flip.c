@@ -65,7 +65,7 @@ ssize_t pwrite(int file, const void *bytes, size_t count, off_t at) {
     return syscall(SYS_pwrite64, file, bytes, count, at);
 }
 
-/* Replaces the other name of pwrite, which HDF5 may have been built to call. */
+/* Replaces pwrite64 like pwrite, because HDF5 may call pwrite by this name. */
 ssize_t pwrite64(int file, const void *bytes, size_t count, off64_t at) {
     return pwrite(file, bytes, count, at);
 }
@@ -97,7 +97,8 @@ typedef struct shared {
 } shared;
 static shared *told;
 
-/* Runs the command until it is killed; without a kill it stores the number of writes. */
+/* Runs the command until it is killed at the write `kill_at`. If it is not killed, stores the
+ * number of writes in told->writes. */
 static _Noreturn void make_partial(const interrupted *of) {
     fuzz_start(dup(STDERR_FILENO));
     const int code = fuzz_call(of->command);
@@ -173,8 +174,8 @@ static int call_limited(const char *command, const char *bytes, size_t length) {
     return code;
 }
 
-/* Runs the command without --resume, so that it would replace the file, and then a reader of the
- * file. */
+/* Runs two programs on the damaged partial file: the command without --resume, which may replace
+ * the file, and a program that prints the file. */
 static void meet_others(const interrupted *of, const char *bytes, size_t length) {
     call_limited(of->command, bytes, length);
     unlink(FUZZ_OUTPUT);
@@ -185,8 +186,8 @@ static void meet_others(const interrupted *of, const char *bytes, size_t length)
         fuzz_complain("podbuild --print", code, "a code that no file must lead to", fuzz_said());
 }
 
-/* Resumes from the file. The file must be refused, or the result must equal the result without a
- * flip. */
+/* Resumes from the damaged file. Checks that the file is refused, or that the result equals the
+ * result without a flip. */
 static void meet(const interrupted *of, const char *bytes, size_t length, const char *digest) {
     char command[256], found[1 << 13];
     snprintf(command, sizeof command, "%s --resume", of->command);
@@ -201,7 +202,7 @@ static void meet(const interrupted *of, const char *bytes, size_t length, const 
     }
 }
 
-/* Makes some of the flips, starting with told->bit. */
+/* Makes the next RUNS_A_PROCESS flips, starting with told->bit. */
 static _Noreturn void run_some(const interrupted *of, char *bytes, size_t length, size_t step) {
     char digest[1 << 13], command[256];
     fuzz_start(dup(STDERR_FILENO));

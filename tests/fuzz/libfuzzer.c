@@ -246,8 +246,8 @@ size_t LLVMFuzzerCustomMutator(uint8_t *bytes, size_t length, size_t room, unsig
     if (length > 0 && bytes[length - 1] != '\n' && length < room) bytes[length++] = '\n';
     switch (below(8)) {
     case 0:
-        // the file that our programs write is the last base and rarely used: its attributes and
-        // scales make edits several times as slow
+        // the last base is a file as the programs write it; it is used rarely, because its
+        // attributes and dimension scales make edits several times as slow
         added = snprintf(line, sizeof line, "base %u\n",
                          below(10) ? below(MAX_BASES - 1) : MAX_BASES - 1);
         break;

@@ -17,7 +17,7 @@ typedef struct fuzz_target {
     // such a text, "base N" chooses the valid file.
     const char *file;              // name of the file, such as "work.h5"; NULL: no file
     const char *bases[MAX_BASES];  // valid files to edit; NULL: the bytes are the file
-    const artefact_schema *schema; // schema of the bases; NULL: the reader needs no basis
+    const artefact_schema *schema; // schema of the bases; NULL: they have no schema
     bool flat;                     // the bases are flat models, edited by flat_edit.h
     // "run N" chooses a command; the default is the second command, or the only command
     const char *commands[MAX_COMMANDS];

@@ -345,8 +345,8 @@ static void restore(char **argv) {
     finish();
 }
 
-/* A step that is much longer than the previous one is divided into internal steps. The result
- * equals that of the same internal steps, requested one by one. */
+/* Checks that a step that is much longer than the previous one is divided into three internal
+ * steps. The film must equal the film after the same three steps, requested one by one. */
 static void parts(void) {
     static const double ends[] = {0, 2e-6, 4e-6, 8e-6};
     double film = 0;
@@ -406,7 +406,7 @@ static void calls_of_3(void) {
                   NULL, NULL, NULL));
     EXPECT(!CALL3(InstantiateCoSimulation, "one", token, folder, 0, 0, true, false, NULL, 0,
                   &num_errors, show3, NULL));
-    EXPECT(num_errors == 4); // the function `calls` has caused the fourth error
+    EXPECT(num_errors == 4); // three errors here, and one before in the function `calls`
     EXPECT(CALL3(SetInt32, instance, NULL, 0, NULL, 0) == fmi3OK);
     EXPECT(CALL3(SetBoolean, instance, NULL, 0, NULL, 0) == fmi3OK);
     const unsigned reference = 0;
@@ -466,8 +466,8 @@ static int directional(const variable *of, const variable *by, double *found) {
                                      &by->reference, 1, &one, 1, found, 1);
 }
 
-/* Returns the central difference of an output over an input. The two steps start from the saved
- * state `before`. */
+/* Returns the derivative of an output with respect to an input by a central difference. Both steps
+ * start from the saved state `before`. */
 static double difference(void *before, const variable *of, const variable *by, double time,
                          double length) {
     const double value = get(by), small = 2e-3 * value;
@@ -529,8 +529,8 @@ static void derivatives(void) {
     finish();
 }
 
-/* A failed step leaves all outputs as they were. Later steps are equal, to the last bit, to those
- * without the failed step. */
+/* Checks that a failed step leaves the outputs as they were, and that a later step gives the same
+ * film, to the last bit, as without the failed steps. */
 static void far(void) {
     enum { NUM_TRIES = 3 };
     double film[2] = {0}, last = NAN;
@@ -564,8 +564,8 @@ static void far(void) {
     finish();
 }
 
-/* If no step length reduces the error to FMI's tolerance, the error is accepted, and the number of
- * internal steps is bounded. */
+/* Checks that an error is accepted if no step length reduces it to FMI's tolerance, and that the
+ * number of internal steps is bounded. */
 static void tolerances(void) {
     static const double all[] = {1e-4, 1e-5, 1e-6, 1e-7, 1e-9};
     enum { NUM_STEPS = 20, MOST_PARTS = 600 };
@@ -594,8 +594,8 @@ static void tolerances(void) {
     finish();
 }
 
-/* Moves the bodies out of contact and back three times. While they are apart, the force is zero.
- * The force is never negative. */
+/* Moves the bodies out of contact and back three times. Checks that the force is never negative,
+ * and that it vanishes and returns three times. */
 static void apart(void) {
     enum { NUM_STEPS = 150, PERIOD = 50 };
     size_t num_lost = 0, num_found = 0;

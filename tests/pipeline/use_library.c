@@ -96,7 +96,7 @@ static double largest(ehdrom_contact *contact, const ehdrom_model *model, double
     CHECK(!ehdrom_fields(contact, pressure, NULL));
     CHECK(!ehdrom_axes(contact, x, NULL));
     CHECK(!ehdrom_nodes(contact, &num_x, &num_y) && num_y == info.num_y);
-    // a part of the model with a grid of its own has fewer nodes; the rest of the arrays is NaN
+    // the solution may be of a model in a list, on a grid with fewer nodes; the rest is NaN
     for (size_t k = 0; k < count; k++) {
         CHECK(isnan(pressure[k]) == (k >= num_x * num_y) && isnan(film[k]) == isnan(pressure[k]));
         if (pressure[k] > most) most = pressure[k];
@@ -181,7 +181,7 @@ static void units(char **argv) {
     CHECK(taken(ehdrom_step(si, &conditions, step, &found), si) != EHDROM_NOT_CONVERGED);
     CHECK(taken(ehdrom_step(pure, &relative, step / scales.time, &expected), pure) == found.status);
     CHECK(same_by(&scales, &found, &expected));
-    // the accuracy is that of the selected equations of a small model
+    // 1e-3: error of the few selected equations of a small model
     CHECK(found.time == step && fabs(found.load / conditions.load - 1) < 1e-3);
     // a step with the approach, in m
     conditions.given = relative.given = EHDROM_APPROACH;
@@ -272,14 +272,14 @@ static void march(char **argv) {
     CHECK(!ehdrom_accept(other));
     double first_x;
     const double most = largest(contact, model, &first_x);
-    // a step of both contacts
+    // one call makes a step of both contacts
     ehdrom_contact *const both[2] = {contact, other};
     const ehdrom_conditions same[2] = {conditions, conditions};
     ehdrom_result results[2] = {result, result};
     CHECK(!EHDROM_FAILED(ehdrom_step_many(both, same, step, results, 2)));
     CHECK(results[0].time > result.time && results[0].time == results[1].time);
     CHECK(results[0].minimum_film_thickness == results[1].minimum_film_thickness);
-    // the result of a failed contact has its status; its other values do not change
+    // if a contact fails, its result has the status, and the other values do not change
     const ehdrom_conditions one_is_wrong[2] = {{sizeof conditions, 1024, 0, 0, 0, 0, 0},
                                                conditions};
     const double before = results[0].load;
@@ -328,7 +328,7 @@ static int as_difference(double found, double before, double behind, double chan
     return fabs(found - (behind - before) / change) < 2e-3 * fabs(found);
 }
 
-/* Checks derivatives of the solution by its load, in SI units. */
+/* Checks derivatives of the solution with respect to its load, in SI units. */
 static void differentiate_solution(ehdrom_contact *contact, double load) {
     ehdrom_derivatives by_load = EHDROM_DERIVATIVES_INIT, by_approach = EHDROM_DERIVATIVES_INIT;
     ehdrom_conditions direction = EHDROM_CONDITIONS_INIT;
@@ -363,7 +363,7 @@ static void differentiate_solution(ehdrom_contact *contact, double load) {
     show("approach_by_load", by_load.approach);
 }
 
-/* Checks derivatives of a step. The step can still be accepted afterwards. */
+/* Checks derivatives of a step, and that the step can still be accepted afterwards. */
 static void differentiate_step(ehdrom_contact *contact, double load) {
     ehdrom_derivatives found = EHDROM_DERIVATIVES_INIT;
     ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT, direction = EHDROM_CONDITIONS_INIT;
@@ -470,8 +470,8 @@ static double jump(ehdrom_contact *contact, double step) {
     return result.central_film_thickness;
 }
 
-/* If a contact rests in its state, its history only determines the order of the next step. A step
- * after a restart therefore equals the first step. */
+/* If the conditions of a contact are constant, its history only determines the order of the next
+ * step. Checks that a step after ehdrom_restart therefore equals the first step after a start. */
 static void restart(char **argv) {
     ehdrom_model *model = open_model(argv[2]);
     ehdrom_contact *contact = new_contact(model, argv[3]);
@@ -492,7 +492,8 @@ static void restart(char **argv) {
     show("first", first);
     show("second_order", second_order);
     show("again", again);
-    // a contact at rest differs from the start by 2e-5, an error of the selected equations of a small model
+    // the film after a step under constant conditions differs from the film at the start by 2e-5,
+    // an error of the selected equations of a small model
     CHECK(fabs(again - first) < 0.05 * fabs(second_order - first));
     ehdrom_contact_free(contact);
     ehdrom_model_close(model);

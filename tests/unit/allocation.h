@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lets allocations fail on purpose. All unit tests are linked so that malloc, calloc and realloc
- * calls of our own code (not of foreign libraries) pass through these functions.
+ * calls of our own code (not of foreign libraries) pass through the wrappers in allocation.c.
  *
  *     size_t call = 0;
  *     do {

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Influence of the film on a Reynolds row: scaled derivatives by the film at some nodes, with the
- * columns and lines of these nodes. */
+/* Influence of the film thickness on a Reynolds row: scaled derivatives with respect to the film
+ * thickness at the nodes of its stencil, and the columns and lines of these nodes. */
 typedef struct film_row {
     double weight[NUM_STENCIL];
     ptrdiff_t column[NUM_STENCIL], line[NUM_STENCIL];
@@ -69,7 +69,7 @@ static void add_pressure_stencils(double *matrix, const full_system *system) {
 }
 
 /* Fills the column of the rigid approach. The approach changes the film equally at all nodes. It
- * also changes the pressures around the grid. */
+ * also changes the far-field pressures at the boundary nodes. */
 static void fill_approach_column(double *column, const film_row *film, const full_system *system) {
     size_t size = system->num_unknowns + 1;
 

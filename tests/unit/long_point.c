@@ -8,8 +8,8 @@
 
 enum { NUM_GRIDS = 4 };
 
-/* Film thicknesses that the multigrid program of Venner and Lubrecht computes, in Moes units. All
- * digits are converged (bench_point.c). */
+/* Film thicknesses to which the multigrid program of Venner and Lubrecht converges on each grid, in
+ * Moes units (bench_point.c). */
 static const struct {
     size_t cells;
     double central, minimum;

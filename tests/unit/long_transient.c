@@ -60,7 +60,8 @@ static void large_amplitudes_are_completed(void **state) {
         }
 }
 
-/* With halved time steps the differences fall to a quarter, also with the paper's parameters. */
+/* Halving the time step reduces the difference between the central films of two runs to a quarter,
+ * also with the paper's parameters. */
 static void fine_grid_is_of_second_order(void **state) {
     static const double steps[] = {0.02, 0.01, 0.005, 0.0025};
     double film[4];

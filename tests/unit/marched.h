@@ -28,9 +28,9 @@ typedef struct marched {
     size_t stop_at; // index of the step whose storing fails; 0: no storing fails
 } marched;
 
-/* Returns a transient scene with a Barus lubricant on -4 … 2. `transient` is the content of the key
- * `transient` in the scene. If this content has an approach, the approach is given instead of the
- * load. */
+/* Returns a transient scene of a line contact with a Barus lubricant, on a grid from X = -4 to 2.
+ * `transient` is the content of the key `transient` in the scene. If this content has an approach,
+ * the approach is given instead of the load. */
 scene marched_scene(double moes_M, double moes_L, const char *density, double step,
                     const char *transient);
 
@@ -48,8 +48,8 @@ void marched_end(marched *self);
 /* Runs a march from start to end. */
 void marched_all(marched *self, const scene *of);
 
-/* Restores the saved data of `stopped` into another object and continues this march to its end.
- * Checks that the result equals `whole`, a run without a stop, to the last bit. */
+/* Restores the saved data of `stopped` into `other` and continues the march of `other` to its end.
+ * Checks that its results equal, to the last bit, the results of `whole`, a run without a stop. */
 void marched_check_restored(marched *other, // work
                             const marched *stopped, const double *saved, const marched *whole);
 

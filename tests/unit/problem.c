@@ -72,7 +72,8 @@ double row_size(const reynolds_row *row) {
     return largest;
 }
 
-/* Compares the linear solvers in each call: each step must agree, not only the final solution. */
+/* Compares both linear solvers in each call: they must agree in each Newton step, not only in the
+ * final solution. */
 ehd_status compare_linear_solvers(full_system *system, double tolerance, size_t *iterations,
                                   ehd_error *error) {
     size_t n = system->grid->num_nodes;

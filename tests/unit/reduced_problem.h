@@ -41,8 +41,8 @@ reduced_basis identity_basis(
     const snapshot_set *set, deformation_kind kind,
     const double *weight); // [num_nodes]
 
-/* Returns the basis of a half grid on the whole grid. A row and its mirrored row together have the
- * weight of the single row on the half grid. */
+/* Returns the basis of a half grid, extended to the whole grid by symmetry. A row and its mirrored
+ * row together have the weight of the single row on the half grid. */
 reduced_basis mirrored_basis(const reduced_basis *half);
 
 /* Builds a model with some or all rows and writes its file, as deimselect would. */

@@ -14,8 +14,8 @@ extern const char *const sample_lubricants[NUM_SAMPLE_LUBRICANTS];
  * or a WLF preset, "no1" … "no3". The density law is "incompressible" or "dowson-higginson". */
 scene sample_scene(const char *lubricant, const char *density, double moes_M, double moes_L);
 
-/* Returns the contact of sample_scene on -4 … 2 with the given step. Calls abort() if the scene is
- * refused. */
+/* Returns the contact of sample_scene with the given grid step, on a grid from X = -4 to 2. Calls
+ * abort() if the scene is refused. */
 ehd_contact sample_contact(const char *lubricant, const char *density, double moes_M, double moes_L,
                            double step);
 
@@ -24,11 +24,12 @@ ehd_contact sample_contact(const char *lubricant, const char *density, double mo
 ehd_contact sample_point(const char *lubricant, const char *density, double moes_M, double moes_L,
                          size_t cells, bool half);
 
-/* Returns the contact in the published discretisation. A point contact gets zero pressure around
+/* Returns the contact with the published discretisation. A point contact gets zero pressure around
  * its grid. */
 ehd_contact sample_published(ehd_contact contact);
 
-/* Line contacts under light and heavy loads, with all laws, on grids as coarse as possible. */
+/* Line contacts under light and heavy loads, with all viscosity and density laws, on grids as
+ * coarse as possible. */
 enum { NUM_SAMPLE_CASES = 10 };
 ehd_contact sample_case(int i);
 

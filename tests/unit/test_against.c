@@ -15,7 +15,7 @@ static double cubic(double x, double y) {
     return 1 + x - 0.5 * x * x + 0.25 * x * x * x + (2 - x * x * x) * y * y;
 }
 
-/* Returns the polynomial at all nodes, or at the inner nodes [num_inner]. */
+/* Returns the values of `cubic` at all nodes, or at the inner nodes [num_inner]. */
 static double *field_of(const ehd_grid *grid, bool inner) {
     double *values = malloc(grid->num_nodes * sizeof *values);
 
@@ -35,7 +35,8 @@ static ehd_grid point(double x_min, double step, size_t nodes, size_t lines, boo
     return grid_of(x_min, step, nodes, lines, half, DISCRETIZATION_ACCURATE);
 }
 
-/* Compares fields on two grids that are equal except for `error` at one node of the first grid. */
+/* Checks the difference between the fields of `cubic` on two grids. The first field has an error at
+ * one node; the difference must equal this error. */
 static void check_pair(const ehd_grid *grid, const ehd_grid *other, size_t row, double error) {
     double *nodes = field_of(grid, false), *inner = field_of(other, true);
 
@@ -45,7 +46,8 @@ static void check_pair(const ehd_grid *grid, const ehd_grid *other, size_t row, 
     free(inner);
 }
 
-/* Tries other grids that are equal, finer, coarser, longer, shorter or shifted. */
+/* Compares with fields on a second grid that equals the first grid, or is finer, coarser, longer,
+ * shorter or shifted. */
 static void interpolates_lines(void **state) {
     (void)state;
     const ehd_grid own = line(-4, 0.05, 121);
@@ -59,7 +61,7 @@ static void interpolates_lines(void **state) {
         check_pair(&own, &others[i], 60, 0);
         check_pair(&own, &others[i], 60, 0.5);
     }
-    // only nodes within the other grid and at its ends are compared
+    // only nodes of the first grid that lie within the second grid or at its ends are compared
     const ehd_grid shorter = line(-2, 0.05, 61);
     double *nodes = field_of(&own, false), *inner = field_of(&shorter, true);
     nodes[grid_node_of_row(&own, 39)] += 1;
@@ -73,7 +75,7 @@ static void interpolates_lines(void **state) {
     free(inner);
 }
 
-/* Stored grids are whole grids; the grid of the result is whole or half. */
+/* Compares a result on a whole or half grid with stored fields, whose grid is always whole. */
 static void interpolates_points(void **state) {
     (void)state;
     for (int half = 0; half < 2; half++) {
@@ -108,8 +110,8 @@ static void print_to(char text[1024], const time_trace *trace, const time_series
     assert_int_equal(status, EHD_OK);
 }
 
-/* After the bodies have been apart, the film is 10 % off. The mean is taken over both periods of
- * contact. */
+/* The bodies are in contact, then apart, then in contact again, with a film that is 10 % off.
+ * Checks that the printed deviations cover both periods of contact. */
 static void compares_all_contacts(void **state) {
     (void)state;
     enum { COUNT = 31 };

@@ -153,7 +153,8 @@ static ehd_status count(void *sink, const march_step *step, size_t index, ehd_er
     return EHD_OK;
 }
 
-/* The approach is a cosine. The bodies touch during a fifth of each of the eight periods. */
+/* The approach is a cosine, and the bodies touch only during a fifth of each of eight periods.
+ * Checks that the march finds the contact in each period. */
 static void no_contact_is_missed(void **state) {
     (void)state;
     scene given;
@@ -192,7 +193,7 @@ static void a_contact_below_touching_is_found_again(void **state) {
     const march_step lost = step_to(0.1, 1, -0.2);
     assert_true(lost.apart);
     check_close(lost.scalars.load, 0, 0, 0);
-    assert_int_equal(lost.status, EHD_UNTRUSTED); // a stationary contact has 60 % of the load here
+    assert_int_equal(lost.status, EHD_UNTRUSTED); // stationary: 60 % of the load at this approach
     const march_step found = step_to(0.2, 1, -0.2);
     assert_true(found.begins && !found.apart);
     check_close(found.scalars.load * found.frame.load, load_at(-0.2), 1e-12, 0);
@@ -210,7 +211,7 @@ static void overlapping_bodies_touch_while_they_recede(void **state) {
     const march_step found = step_to(0.2, 1, -0.19);
     assert_true(found.begins && !found.apart);
     check_close(found.scalars.load * found.frame.load, load_at(-0.19), 1e-12, 0);
-    // surfaces that start separated stay apart while they recede
+    // bodies whose undeformed surfaces do not overlap stay apart while they recede
     set_up_contact("approach", "", &given);
     inner.speed_of_loss = 1;
     begin(1, -0.5);
@@ -234,7 +235,7 @@ static void bodies_touch_at_rest(void **state) {
         check_close(step.scalars.load * step.frame.load, load_at(-0.3), 1e-12, 0);
         assert_int_equal(step.status, i == 0 ? EHD_UNTRUSTED : EHD_OK);
         assert_true(step.frame.speed == i);
-        // the result is not trusted until the fluid has carried this film out of the contact
+        // the result is not trusted until the fluid has carried the unknown film out of the contact
         solver.accept(solver.self);
         const double width = step.frame.half_width;
         double saved[64];
@@ -290,9 +291,9 @@ static void steps_in_which_bodies_part_or_touch_are_short(void **state) {
     scene given;
     set_up_contact("approach", "", &given);
     begin(1, -0.5);
-    contact.longest_step = 0.09; // steps are 0.1 long
+    contact.longest_step = 0.09; // the time steps are 0.1 long
     assert_int_equal(step_to(0.1, 1, 0.2).status, EHD_NOT_CONVERGED);
-    contact.longest_step = 0.1 * (1 - 1e-12); // equal but for round-off
+    contact.longest_step = 0.1 * (1 - 1e-12); // equals the time step but for round-off
     assert_true(step_to(0.1, 1, 0.2).apart);
     contact.longest_step = 0.09;
     assert_int_equal(step_to(0.2, 1, 0).status, EHD_NOT_CONVERGED);

@@ -24,8 +24,8 @@ static void arrays_are_zero_apart_and_aligned(void **state) {
     assert_null(memory.last);
 }
 
-/* Arrays around the size of huge pages (2 MB). The third round gets memory that an earlier round
- * has written. */
+/* Arrays about as large as a huge page (2 MB) and larger must be zero, also in the third round,
+ * which gets memory that an earlier round has written. */
 static void large_arrays_are_zero(void **state) {
     const size_t sizes[] = {(size_t)2 << 20, ((size_t)4 << 20) - 64, ((size_t)9 << 20) + 3};
     (void)state;

@@ -328,7 +328,7 @@ static void provenance(void **state) {
     assert_non_null(strstr(creator, program_build()));
     free(creator);
 
-    // two equal inputs add one line of history, before our own line
+    // an input that is given twice adds one line to the history, before the line of the new file
     char *text = NULL;
     check_ok(artefact_get_text(file, "history", &text, &error));
     char *end = strchr(text, '\n');
@@ -365,7 +365,8 @@ static void provenance(void **state) {
     artefact_close(&file);
 }
 
-/* Texts that are too long for one attribute are split between characters. */
+/* A text that is too long for one attribute is split into several attributes, but never within a
+ * character. */
 static void long_texts(void **state) {
     (void)state;
     const size_t length = 3000000;
@@ -459,7 +460,8 @@ static void provisional_names(void **state) {
     assert_null(file);
 }
 
-/* The final or the provisional name is changed between artefact_create and artefact_finish. */
+/* Checks that artefact_finish fails if, since artefact_create, a file or folder has taken the final
+ * name, or the provisional file has disappeared. */
 static void names_that_change_meanwhile(void **state) {
     (void)state;
     for (int i = 0; i < 3; i++) {
@@ -518,7 +520,8 @@ static ehd_status read_texts(char **settings) {
     return status ? status : artefact_check(path, &error);
 }
 
-/* A refused allocation must return EHD_MEMORY, not another error or a shortened text. */
+/* If an allocation fails, the reader must return EHD_MEMORY, not another error or a shortened
+ * text. */
 static void refused_memory_is_no_other_text(void **state) {
     (void)state;
     enum { LENGTH = 150000 };
@@ -541,7 +544,7 @@ static void refused_memory_is_no_other_text(void **state) {
     free(text);
 }
 
-/* A refused allocation must not produce a digest of incomplete content. */
+/* If an allocation fails, artefact_finish must not store a digest of incomplete content. */
 static void refused_memory_ends_no_file(void **state) {
     (void)state;
     bool failed = true;
@@ -781,7 +784,7 @@ static unsigned char *whole;
 static size_t whole_size;
 static char *whole_content;
 
-/* Checks that the changed file is refused or has its original content. */
+/* Returns 1 if the reader accepts the changed file and finds changed content in it, otherwise 0. */
 static int read_changed_file(void) {
     char *content = content_of(path);
     int outcome = content && strcmp(content, whole_content) != 0;
@@ -804,7 +807,8 @@ static int cut_file(size_t size) {
     return artefact_check(path, NULL) == EHD_OK;
 }
 
-/* Tries the file at `path` with every `step`-th byte flipped, and truncated at many places. */
+/* Flips a bit in every `step`-th byte of the file at `path`: the reader must refuse the file or
+ * find its original content. Then truncates the file at many places: the reader must refuse it. */
 static void fuzz_file(size_t step) {
     whole = slurp(path, &whole_size);
     whole_content = content_of(path);
@@ -867,8 +871,9 @@ static ehd_status attempt(bool streaming, ehd_error *text) {
 
 static bool limited_streaming;
 
-/* Writes files under a limit of `size` bytes. The test succeeds in two cases: the status is EHD_IO
- * and there is no file, or the file is whole. The exit handlers must print nothing. */
+/* Writes a file while files are limited to `size` bytes. Returns 0 in two cases: the status is
+ * EHD_IO or EHD_CANTCREATE and there is no file, or the file is complete. In both cases the exit
+ * handlers must print nothing. */
 static int write_with_limit(size_t size) {
     fflush(NULL);
     pid_t child = fork();
@@ -906,7 +911,7 @@ static int write_with_limit(size_t size) {
 static void failing_writes(void **state) {
     const char *variant = getenv("VARIANT");
     (void)state;
-    if (variant && strcmp(variant, "cov") == 0) skip(); // the limit would cut coverage files
+    if (variant && strcmp(variant, "cov") == 0) skip(); // the limit would truncate coverage files
     for (int streaming = 0; streaming < 2; streaming++) {
         limited_streaming = streaming;
         check_ok(attempt(limited_streaming, &error));
@@ -1030,7 +1035,7 @@ static void resume_after_kill(void **state) {
         check_streamed(file, true);
         char *history = NULL;
         check_ok(artefact_get_text(file, "history", &history, &error));
-        // two lines: started, resumed
+        // two lines of history: started, resumed
         assert_string_equal(strchr(strchr(history, '\n') + 1, '\n'), "\n");
         free(history);
         artefact_close(&file);
@@ -1074,7 +1079,9 @@ static void damage_partial(double number) {
     free(bytes);
 }
 
-/* Unfinished entries of a killed run may be partly written; each finished entry is checked. */
+/* Resuming accepts a file with a damaged entry, because a killed run may have written some entries
+ * only in part. artefact_check_entry finds this damage. A damaged axis or file is refused at
+ * once. */
 static void resume_refuses_damage(void **state) {
     (void)state;
     artefact *file = NULL;

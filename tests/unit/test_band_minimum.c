@@ -70,7 +70,7 @@ static void the_deeper_of_two_dips(void **state) {
         }
 }
 
-/* Returns the minimum between the nodes around this node. Beyond node 200 this minimum is lower
+/* Returns the minimum of the values between the neighbours of a node. Beyond node 200 it is lower
  * than the value at the node, so the second dip is deeper than the first. */
 static double value_between(const void *context, size_t node) {
     return value_at(context, node) - (node > 200 ? 0.1 : 0);

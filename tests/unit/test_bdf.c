@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Difference formulas in time and the ring of states. */
+/* Difference formulas in time, and the ring that holds the previous states (bdf.h). */
 #include "common/time/bdf.h"
 #include "tests/unit/check.h"
 #include "tests/unit/frames.h"
@@ -8,7 +8,8 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* Steps of an adaptive march: equal, growing, shrinking, and changing irregularly. */
+/* Lengths of the current and the two previous time steps of an adaptive march: equal, growing,
+ * shrinking, and changing irregularly. */
 static const double steps[][3] = {
     {0.1, 0.1, 0.1}, {0.2, 0.1, 0.05}, {0.05, 0.1, 0.2}, {0.03, 0.3, 0.01}, {1e-6, 0.5, 0.5}};
 enum { NUM_STEPS = sizeof steps / sizeof *steps };
@@ -87,8 +88,8 @@ static void error_is_that_of_the_next_power(void **state) {
     check_close(bdf_step(0.1, NULL, 1).error, 0, 0, 0);
 }
 
-/* Tests a step after much shorter steps. The formula has second order if an earlier state is far
- * enough away, and uses the latest such state. Otherwise the formula has first order. */
+/* Tests a time step after much shorter steps. If an earlier state is far enough away in time, the
+ * formula has second order and uses the latest of these states. Otherwise it has first order. */
 static void a_step_much_longer_than_the_last_is_of_lower_order(void **state) {
     (void)state;
     const struct {

@@ -131,7 +131,7 @@ static void test_grid(void **state) {
     free_sample(&grid);
 }
 
-/* Between points with different lubricants or groups there is no middle. If a point is left out of
+/* Points with different lubricants or groups have no scene in the middle. If a point is left out of
  * the set, the points on both sides of it become neighbours. */
 static void test_families(void **state) {
     const bool keep[] = {true, false, true, true, true, true, true};
@@ -162,8 +162,8 @@ static void test_families(void **state) {
     free_sample(&points);
 }
 
-/* Between trajectories that differ only in numbers there is a middle. A trajectory without such a
- * partner gives a scene with half of its own change. */
+/* Trajectories that differ only in numbers have a scene in the middle. A trajectory that differs
+ * from all others in more than numbers gives a scene with half of its own change. */
 static void test_trajectories(void **state) {
     sample moved = {0};
     size_t count = 0;
@@ -194,7 +194,7 @@ static void test_trajectories(void **state) {
     check_close(fixed->transient.fixed_step, 0.01, 0, 0);
     plan_free(&between);
 
-    // trajectories without a partner come first, within the requested number
+    // one trajectory of each kind is chosen before a second one, within the requested number
     bool chosen[5];
     const bool expected[] = {true, false, true, false, true};
     assert_int_equal(between_spread_trajectories(chosen, &moved.set, 3, NULL), EHD_OK);
@@ -290,7 +290,7 @@ static void test_no_memory(void **state) {
         allocation_fail_at(call);
         ehd_status status = between_neighbours(&between, &line.of, &line.set, "plan", NULL);
         failed = allocation_failed();
-        // if the allocation of a contact fails, its middle is left out without an error
+        // a middle scene is left out without an error if an allocation for its contact fails
         if (!failed) assert_int_equal(status, EHD_OK);
         if (status) assert_int_equal(status, EHD_MEMORY);
         plan_free(&between);

@@ -202,10 +202,10 @@ static void grid_nodes(void **state) {
     check_close(grid_x(&contact.grid, 1201), 2, 1e-14, 0);
 }
 
-/* The half grid has three lines, of which the first lies at y = 0, and a boundary line. The
- * pressure of the first line ends inside the grid. The pressure of the second line has a gap, and a
- * negative value behind its end. The pressure of the third line is zero. The whole grid also has
- * the mirrored lines. */
+/* Checks the exits of a pressure on a half grid with three lines, of which the first lies at Y = 0,
+ * and a boundary line. The pressure of the first line ends inside the grid. The pressure of the
+ * second line has a gap, and a negative value behind its end. The pressure of the third line is
+ * zero. The whole grid also has the mirrored lines. */
 static void exits_of_a_pressure(void **state) {
     (void)state;
     const ehd_grid grid = grid_of(-1, 0.5, 4, 3, true, DISCRETIZATION_PUBLISHED);

@@ -42,7 +42,7 @@ static void far_start_converges(void **state) {
 }
 
 /* If neighbours are too far apart, smaller continuation steps would take hundreds or thousands of
- * iterations. A cold start takes few iterations. */
+ * iterations. A cold start takes few iterations, so the solver must change to it early. */
 static void far_start_is_given_up_early(void **state) {
     (void)state;
     full_settings settings = full_default_settings();
@@ -78,8 +78,8 @@ static void continuation_takes_strides_that_help(void **state) {
     problem_free(&hopeless);
 }
 
-/* Contacts with extreme parameters all converge from the dry contact. This start takes no more
- * iterations than a start from the film that the solver would use without the dry contact. */
+/* Contacts with extreme parameters must all converge from the dry contact, in a limited number of
+ * iterations (START_FILM in continuation.c). */
 static void extremes_converge(void **state) {
     (void)state;
     static const double corners[][2] = {{1, 0},  {2, 0.5}, {10, 0},   {20, 0},  {50, 0}, {200, 0},

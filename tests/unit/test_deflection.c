@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Compares the deflection of lines and points with integrals, with a direct sum, and with the
- * solution of Hertz. */
+/* Compares the deflection of line and point contacts with integrals, with a direct sum, and with
+ * the solution of Hertz. */
 #include "common/physics/deflection.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Derivatives of reduced solutions, compared with differences of neighbouring solutions. Transient
- * derivatives are tested in test_online_transient.c. */
+/* Derivatives of reduced solutions, compared with difference quotients of neighbouring solutions.
+ * Transient derivatives are tested in test_online_transient.c. */
 #include "romrun/online/online.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -39,7 +39,7 @@ typedef struct problem {
 static problem tested;
 
 /* Makes a model with one mode for each node and all rows; the residuals of its solutions vanish.
- * Sets a contact between the training points, and a tolerance of round-off. */
+ * Sets a contact between the training points, and a tolerance near round-off. */
 static void problem_init(problem *self, deformation_kind kind) {
     const size_t num_nodes = self->training.set.grid.num_nodes;
     double *weight = malloc(num_nodes * sizeof *weight);
@@ -92,7 +92,7 @@ static online_derivatives solve_beside(problem *self, int by, double change) {
 }
 
 static void check_all_close(const online_derivatives *found, const online_derivatives *expected) {
-    // the differences themselves are accurate to 1e-6
+    // the difference quotients themselves are accurate to 1e-6
     const double relative = 3e-6, absolute = 3e-7;
     const contact_scalars *f = &found->scalars, *e = &expected->scalars;
 
@@ -106,7 +106,8 @@ static void check_all_close(const online_derivatives *found, const online_deriva
     check_close(found->peak_pressure, expected->peak_pressure, relative, 3e-5);
 }
 
-/* Returns the central difference of two solutions. Their parameters differ by 2 `change`. */
+/* Returns the central difference quotient of two solutions. Their parameters differ by 2
+ * `change`. */
 static online_derivatives difference(const online_derivatives *before,
                                      const online_derivatives *behind, double change) {
     online_derivatives found = {.half_width = 0};
@@ -131,8 +132,8 @@ static void solve_here(problem *self) {
     assert_int_not_equal(result.status, EHD_NOT_CONVERGED);
 }
 
-/* Checks relations between derivatives of one solution. If the approach is given, the load is a
- * result. */
+/* Checks relations between the derivatives of one solution at a given load and at a given approach.
+ * If the approach is given, the load is a result. */
 static void check_exchange(problem *self, const online_derivatives *by_load) {
     const online_direction by_approach = {.load = NAN, .approach = 1};
     const online_direction by_speed = {.load = NAN, .approach = 0, .speed = 1};

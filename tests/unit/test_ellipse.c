@@ -91,8 +91,8 @@ static void ellipticity_of_moderate_ellipses(void **state) {
         check_close(pow(ellipse_radius_ratio(k), 2. / 3), k, 0.02, 0);
 }
 
-/* The formula of Hamrock and Brewe (J. Lubrication Technology 105, 1983) deviates by less than 3 %
- * up to b/a = 10. */
+/* For b/a from 1 to 10 the formula of Hamrock and Brewe (J. Lubrication Technology 105, 1983)
+ * deviates by less than 3.5 %. */
 static void ellipticity_is_near_the_power_of_the_radii(void **state) {
     (void)state;
     for (double k = 1; k <= 10; k += 0.5)

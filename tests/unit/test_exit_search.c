@@ -314,8 +314,9 @@ static void solve_in_narrow_band(const reduced_basis *basis, const ehd_contact *
     reduced_problem_free(&reduced);
 }
 
-/* Exits stop at the last column of the band. In stationary contacts the flux moves the exits, and
- * in transient contacts the signs of pressure and multiplier move the exits. */
+/* Exits whose true place lies outside of the band stop at the nearer end of the band. In stationary
+ * contacts the flux moves the exits, and in transient contacts the signs of pressure and multiplier
+ * move the exits. */
 static void exits_end_where_the_band_does(void **state) {
     (void)state;
     for (size_t s = 0; s < (check_all() ? TRAINED_STATES : 1); s += 6)

@@ -103,8 +103,8 @@ static void from_a_reduced_solution(void **state) {
     }
 }
 
-/* If the full model starts from a good reduced solution, it takes two Newton iterations. Each
- * repetition takes the same number. */
+/* If the full model starts from a good reduced solution, it must take at most three Newton
+ * iterations in each repetition. */
 static void from_a_good_solution_it_takes_little(void **state) {
     (void)state;
     ehd_contact contact = training.contacts[4];

@@ -278,8 +278,8 @@ static void the_film_has_to_leave_before(void **state) {
     reduced_basis_free(&few);
 }
 
-/* If the reduced model does not converge, the full model takes over at once, with the same step.
- * The reduced model is then tried ever more rarely. */
+/* If the reduced model does not converge, the full model takes over at once, with the same time
+ * step. The reduced model is then tried ever more rarely. */
 static void where_the_reduced_model_does_not_converge(void **state) {
     (void)state;
     reduced_basis nodes =
@@ -341,7 +341,8 @@ static void iterations_in_vain_are_limited(void **state) {
     reduced_basis_free(&nodes);
 }
 
-/* Starts a march of the line with twelve modes, whose error estimates use the given factors. */
+/* Starts a march of the line contact with twelve modes, whose error estimates use the given
+ * factors. */
 static void begin_indicating(run *self, reduced_basis *few, double accuracy, film_factors factors) {
     trained_basis(few, &trained_on.line, DEFORMATION_COUPLED, 12, 0);
     for (size_t s = 0; s < few->states.num_states; s++)

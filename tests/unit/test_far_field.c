@@ -61,8 +61,9 @@ static double reynolds_at(const ehd_contact *contact, double approach, double x,
     return (sum / (d * d) / contact->lambda - slope) / fabs(slope);
 }
 
-/* Away from the exit the residual is c^2/r^4 with a coefficient c that varies. The residual falls
- * with r^-3 or faster. */
+/* Away from the exit the relative residual is of order d^2/r^4, where d is the film minus its
+ * quadratic part (far_field.h). Checks that it is small, and far smaller at four times the
+ * distance. */
 static void solves_the_reynolds_equation(void **state) {
     (void)state;
     const double ellipticities[] = {1, 0.5, 1.5, 3}, directions[] = {0, 0.4, 0.8, 1.2};
@@ -101,8 +102,8 @@ static void ends_at_the_exit(void **state) {
     check_close(pressure_at(&contact, -0.5, -3, 4), pressure_at(&contact, -0.5, -3, -4), 0, 0);
 }
 
-/* The loads beyond two grids differ by the load between the edges of the grids. Finite differences
- * check the derivative of the load. */
+/* Checks that the loads outside of two grids differ by the load between the edges of the grids, and
+ * compares the derivative of the load with finite differences. */
 static void counts_the_load_beyond(void **state) {
     (void)state;
     const double ellipticities[] = {0.5, 3, 1}, approach = -0.4, d = 1e-5;
@@ -114,7 +115,7 @@ static void counts_the_load_beyond(void **state) {
         double between = 0;
 
         one = ellipse_on(k, 10, 0, -4, 2, 3, 0.25, "open");
-        // the cells reach half a cell beyond the last lines
+        // the cells of the inner nodes reach half a cell beyond the outermost inner lines
         const double across = grid_step_across(&one.grid);
         const double inside = grid_extent_of(&one.grid).y_max + across / 2;
         const double outside = grid_extent_of(&other.grid).y_max + across / 2;
@@ -123,7 +124,7 @@ static void counts_the_load_beyond(void **state) {
         for (double x = -6.125 + step / 2; x < 4.125; x += step)
             for (size_t l = 0; l < lines; l++) {
                 const double y = ((double)l + 0.5) * width;
-                // fraction of a strip that lies beside the cells of the inner grid
+                // fraction of a strip that lies outside of the cells of the smaller grid
                 const double share = fmin(fmax((y + width / 2 - inside) / width, 0), 1);
                 between += 2 * step * width * (x < -4.125 || x > 2.125 ? 1 : share) *
                            pressure_at(&one, approach, x, y);

@@ -28,7 +28,7 @@ static void go_on(const contact_frame *then, const contact_frame *now, double en
 /* An error that enters while the path grows from 0 to 0.3 moves with the fluid. */
 static void an_error_goes_with_the_fluid(void **state) {
     (void)state;
-    const double last = 0.3, smooth = 0.06; // `smooth`: splines smooth the ends of the error
+    const double last = 0.3, smooth = 0.06; // splines smooth the error's ends over `smooth`
 
     film_errors_set(&errors, NULL);
     for (int i = 1; i <= 80; i++) {

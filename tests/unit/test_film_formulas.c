@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Film formulas: values for a physical scene, independence of parameters, asymptotes, and the
- * theory of Grubin's formula. */
+/* Film formulas: values for a physical scene, dependence on modulus and Hertz pressure, asymptotes,
+ * and the theory of Grubin's formula. */
 #include "common/physics/film_formulas.h"
 #include "tests/unit/check.h"
 #include "tests/unit/sample.h"
@@ -150,7 +150,8 @@ static void the_modulus_hardly_matters(void **unused) {
     }
 }
 
-/* A given Hertz pressure changes the film like another alpha. */
+/* If a given Hertz pressure is 1.25 times the Hertz pressure of M and L, the films change as if
+ * alpha were 1.25 times as large. */
 static void the_hertz_pressure_wins(void **unused) {
     ehd_contact contact = sample_contact("barus", "incompressible", 20, 8, 0.02), given = contact;
     (void)unused;
@@ -310,7 +311,8 @@ static void slender_ellipses_are_lines(void **unused) {
         }
 }
 
-/* A contact has the film numbers of its shape, with and without a known modulus. */
+/* The films of an elliptical contact follow from the film numbers of its shape, whether its modulus
+ * is known or not. */
 static void an_elliptical_contact(void **unused) {
     const ehd_contact contact = steel("ellipse", BALL_LOAD, 226e9);
     const ehd_contact bare = without_modulus(&contact);

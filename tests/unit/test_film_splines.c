@@ -59,7 +59,7 @@ static contact_frame frame_under(double load, double radius, double time) {
 }
 
 /* Compares the films of both models at all nodes of the frame `now` whose places in the earlier
- * frame lie behind `from`. */
+ * frame lie at X = `from` or farther downstream. */
 static void compare(const reduced_basis *basis, const ehd_contact *reference,
                     const contact_frame *now, double from, double tolerance) {
     const ehd_grid *grid = &basis->grid;
@@ -122,8 +122,8 @@ static void films_equal_those_of_the_full_model(void **unused) {
     }
 }
 
-/* In a wider frame the grid starts farther upstream. There the film needs the deflection before the
- * earlier grid, both where the deflection is stored and farther upstream. */
+/* In a wider frame the grid starts farther upstream. There the film needs the deflection upstream
+ * of the earlier grid, both where the deflection is stored and farther upstream. */
 static void films_go_on_before_the_grid(void **unused) {
     (void)unused;
     reduced_basis basis;
@@ -221,7 +221,7 @@ typedef struct plane {
     gsl_spline **along; // [lines]
 } plane;
 
-/* Returns the place of a value in the plane. */
+/* Returns a pointer to the value at a node of the plane. */
 static double *plane_node(const plane *self, size_t line, size_t column) {
     return &self->values[line * self->width + column];
 }
@@ -368,14 +368,15 @@ static void compare_point(const point_film *self, const contact_frame *now, doub
 
 static void films_of_point_contacts_equal_tensor_splines(void **unused) {
     (void)unused;
-    for (int i = 0; i < 3; i++) { // half grid with each exit line, whole grid
+    for (int i = 0; i < 3; i++) { // half grid with two exit lines, whole grid
         point_film self;
         point_film_init(&self, i < 2 ? &half_basis : &whole_basis, i == 0);
         assert_true(self.film.num_cut > (i == 0 ? 0 : self.model.band.num_lines / 2));
         const contact_frame frames[] = {point_frame(0.93, 1), point_frame(1.02, 1.01),
                                         point_frame(1.3, 1)};
         for (size_t f = 0; f < sizeof frames / sizeof *frames; f++)
-            // within a step of the grid's ends, where pressure falls to zero, the splines differ
+            // within a grid step of the grid's ends, where pressure falls to zero, the splines
+            // differ
             compare_point(&self, &frames[f], 3e-5, 2e-4);
         self.reference.lubricant.density = NULL;
         for (size_t f = 0; f < sizeof frames / sizeof *frames; f++)
@@ -437,7 +438,8 @@ static void films_of_the_half_are_those_of_the_whole(void **unused) {
     point_film_free(&whole);
 }
 
-/* Linear modes of an independent basis stay linear beyond the grid, upstream and at the sides. */
+/* Linear deformation modes of an independent basis stay linear beyond the grid, upstream and at the
+ * sides. */
 static void straight_modes_go_on_straight(void **unused) {
     (void)unused;
     for (int i = 0; i < 2; i++) { // the half grid, and the whole grid with a slope across

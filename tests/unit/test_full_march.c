@@ -35,7 +35,8 @@ static marched first, second, third;
 
 // ---- constant histories
 
-/* Constant histories keep the stationary solution, also in a frame other than the reference. */
+/* Constant histories keep the stationary solution, also in a frame other than the reference
+ * frame. */
 static void constant_histories_stay_stationary(void **state) {
     static const char *const transients[] = {
         "end_time: 1e4, tolerance: 1e-4", "end_time: 20, fixed_step: 0.5",
@@ -112,8 +113,8 @@ static void start_is_the_stationary_contact(void **state) {
 
 // ---- accuracy of time steps
 
-/* Returns the largest difference of the central films of two runs, at the times of `coarse`. The
- * steps of `coarse` are twice as long as those of `fine`. */
+/* Returns the largest difference between the central films of two runs, at the points in time of
+ * `coarse`. The time steps of `coarse` are twice as long as the time steps of `fine`. */
 static double film_difference(const marched *coarse, const marched *fine) {
     double largest = 0;
 
@@ -154,7 +155,7 @@ static void fixed_steps_of_a_point_contact(void **state) {
     if (check_all()) check_order(marched_point, law, 0.01, "accurate");
 }
 
-/* The differences between runs decrease with the square of the step. */
+/* The differences between runs decrease with the square of the time step. */
 static void fixed_steps_are_of_second_order(void **state) {
     static const char *const laws[] = {
         "load: {law: sine, amplitude: 0.2, period: 2, phase: 1.5707963267948966}",
@@ -205,9 +206,9 @@ static void tolerance_holds(void **state) {
     }
 }
 
-/* With transport along the path, the film follows a slowly changing load. A step may therefore be
- * longer than the time in which the film passes through the contact. Such a step is still as
- * accurate as the tolerance requires. */
+/* With transport along the path, the film follows a slowly changing load. A time step may then be
+ * longer than the time in which the film passes through the contact. It must still be as accurate
+ * as the tolerance requires. */
 static void a_slow_ramp_along_the_path_ends_at_rest(void **state) {
     static const char transient[] =
         "end_time: 60, load: {law: ramp, from: 1, to: 1.08, start: 0.5, duration: 40}";
@@ -380,8 +381,8 @@ static void ramps_end_in_the_stationary_contact(void **state) {
 
 // ---- the approach given
 
-/* Returns the usual contact with an approach that is measured at the farthest place that the
- * settings allow. */
+/* Returns the usual contact with the approach measured at 10 half widths, the default distance of a
+ * given approach. */
 static scene measured_scene(const char *transient) {
     scene of = usual_scene(transient);
     of.approach_length = 10;
@@ -462,7 +463,7 @@ static void start_from_an_approach_far_away(void **state) {
     marched_end(&first);
 }
 
-/* A given approach leads to the same squeeze with short and with long steps. */
+/* A given approach leads to the same squeezed film with short and with long time steps. */
 static void approach_is_well_posed(void **state) {
     (void)state;
     run_measured(&first, "end_time: 0.02, fixed_step: 0.002, "
@@ -659,8 +660,8 @@ static double dent(double x) {
 }
 
 /* Adds a dent to the film of the only accepted state, by changing the saved data of the march.
- * These data begin with the errors along the path. With transport along the path, the base state
- * and its time limit come before the states. */
+ * These data begin with the errors along the path. With transport along the path, the base (the
+ * initial state) and its time limit come before the states. */
 static void add_dent(march_solver *solver, const ehd_grid *grid, bool path,
                      double (*of)(double x)) {
     const size_t size = solver->saved_size(solver->self), errors = grid->num_nodes;
@@ -707,7 +708,7 @@ static void a_dent_passes_unchanged(void **state) {
         carry_dent(left, dent, path ? "path" : "upwind", NAN, transient);
         for (size_t k = 0; k < 603; k++) {
             const double x = -4.01 + 0.01 * (double)k;
-            if (fabs(x - 0.3) > 0.4) continue; // elsewhere the film was in the contact at the start
+            if (fabs(x - 0.3) > 0.4) continue; // compares only around the dent, now at X = 0.3
             missed[path] = fmax(missed[path], fabs(left[k] - dent(x - 0.8)) / -dent(-0.5));
         }
     }
@@ -733,8 +734,8 @@ static size_t attempts_with(double (*of)(double x)) {
     return (size_t)(first.march.state.num_steps + first.march.state.num_rejected);
 }
 
-/* A dent behind the centre, with a depth of 0.5 % of the film, does not reach the centre. While the
- * load varies, the dent must not be counted as an error. */
+/* A dent downstream of the centre, with a depth of 0.5 % of the film, does not reach the centre.
+ * While the load varies, error control must not count the dent as an error. */
 static void what_passes_by_costs_no_steps(void **state) {
     (void)state;
     assert_int_equal(attempts_with(dent_behind), attempts_with(NULL));
@@ -838,8 +839,8 @@ static double mean_of(const double *values, size_t count) {
 }
 
 /* Returns the fraction of a film's change that `effect` does not predict. The change is the
- * difference between `film`, of the run `first`, and `better`, of the run `second`. The steps of
- * `second` are a quarter as long, and `second` has no filter. */
+ * difference between `film`, of the run `first`, and `better`, of the run `second`. The run
+ * `second` has no filter, and its time steps are a quarter as long. */
 static double left_of_change(const double *film, const double *better, const double *effect) {
     static double change[MARCHED_STEPS], rest[MARCHED_STEPS];
 
@@ -898,7 +899,7 @@ static double film_of_step(marched *self, double time, double step, bool accepte
     return frame_to_reference(&outcome.scalars, &frame, &self->reference).central_film_thickness;
 }
 
-/* Steps of 1e-7, as used to locate an event, do not change the result of the next step. */
+/* Time steps of 1e-7, as used to locate an event, do not change the result of the next step. */
 static void a_short_step_leaves_the_next_one_as_it_is(void **state) {
     (void)state;
     static const char *const transports[] = {"upwind", "path"};

@@ -55,8 +55,8 @@ static void patch_evaluate(patch *self) {
                   self->pressure, self->film);
 }
 
-/* Returns the derivative of a row by the value at a node. A mirrored stencil may contain the node
- * twice. */
+/* Returns the derivative of a row with respect to the value at a node. A mirrored stencil may
+ * contain the node twice. */
 static double by_node(const double *by, const reynolds_stencil *stencil, size_t node) {
     double sum = 0;
     for (int a = 0; a < NUM_STENCIL; a++)
@@ -341,8 +341,8 @@ static void large_grids_satisfy_the_problem(void **state) {
         assert_true(full_is_large(&contact.grid));
         check_solution(&contact);
     }
-    // the usual grids of trainings and studies are small and use the factors, so that their results
-    // keep the same bits
+    // the usual grids of trainings and studies are small: factors precondition their systems, so
+    // that their results keep the same bits
     const ehd_contact usual = sample_point("barus", "incompressible", 20, 10, 128, true);
     assert_false(full_is_large(&usual.grid));
 }

@@ -238,7 +238,8 @@ static double exit_of(double step) {
     return exit;
 }
 
-/* Measured exits: 1.055470 and 1.055492. Exits at nodes would be 1.06 and 1.055. */
+/* On a coarse grid the exit has the place of the exit on a grid with a quarter of the grid step.
+ * Measured: X = 1.055470 and 1.055492. Exits at nodes would be 1.06 and 1.055. */
 static void exit_is_that_of_a_finer_grid(void **state) {
     (void)state;
     check_close(exit_of(0.02), exit_of(0.005), 0, 4e-5);
@@ -269,8 +270,9 @@ static double scatter(const double values[NUM_SWEPT]) {
     return largest;
 }
 
-/* While M grows from 20 to 30 the exit passes a node at 1.05. Measured: a deviation of 1.2e-5 (with
- * exits at nodes: 4e-3), and 4 to 6 Newton iterations from one contact to the next. */
+/* While M grows from 20 to 30 the exit passes a node at 1.05, and its position must stay a smooth
+ * function of M. Measured: a deviation of 1.2e-5 from a polynomial (with exits at nodes: 4e-3), and
+ * 4 to 6 Newton iterations from one contact to the next. */
 static void exit_is_smooth_in_the_load(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
@@ -295,7 +297,8 @@ static void exit_is_smooth_in_the_load(void **state) {
     problem_free(&solved);
 }
 
-/* A result stores pressure and approach. The place of the exit in its cell follows from both. */
+/* A result stores pressure and approach, but not the place of the exit in its cell. Checks that the
+ * solver finds this place again from both. */
 static void pressure_holds_the_exit(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
@@ -320,7 +323,8 @@ static void pressure_holds_the_exit(void **state) {
     }
 }
 
-/* Residuals are zero before the node of the exit, and nonzero at this node and cavitated nodes. */
+/* Residuals are zero upstream of the last node with pressure, and nonzero at this node and at the
+ * cavitated nodes. */
 static void rows_before_the_exit_hold(void **state) {
     (void)state;
     const ehd_contact contact = accurate_contact(20, 10, 0.01);
@@ -480,7 +484,8 @@ static void state_without_memory(void **state) {
     }
 }
 
-/* Each solution allocates memory for coarser grids and the continuation. */
+/* Each solution allocates memory for coarser grids and the continuation. Each of these allocations
+ * may fail. */
 static void solve_without_memory(void **state) {
     (void)state;
     ehd_contact contact = sample_contact("barus", "incompressible", 10, 2, 0.01);
@@ -548,8 +553,9 @@ static void an_interrupted_linear_system_is_no_step(void **state) {
     program_finish(&self, EHD_OK, &error);
 }
 
-/* The film has two valleys. The bottom of the deeper valley lies between two nodes. At both nodes
- * the film is thicker than at the node in the bottom of the other valley. */
+/* Checks that the minimum film is found in the deeper of two valleys. The bottom of this valley
+ * lies between two nodes. At both nodes the film is thicker than at the node in the bottom of the
+ * other valley. */
 static void the_smallest_film_need_not_be_at_the_smallest_node(void **state) {
     (void)state;
     const ehd_contact contact = sample_contact("barus", "incompressible", 20, 6, 0.05);

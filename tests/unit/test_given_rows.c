@@ -75,8 +75,8 @@ static void bad_rows_are_refused(void **state) {
     refuses("row,weight\n1,1\n2\n3,1\n", "rows.csv:3: found 1 column, expected 2 as in the header");
 }
 
-/* If a file has several columns with known names, the name that comes first in the list is used.
- * This matters because files of ehdrom also have the axis `row`. */
+/* If a file has several columns with known names, the column is used whose name comes first in the
+ * list of known names. This matters because files of ehdrom also have the axis `row`. */
 static void the_first_known_name_counts(void **state) {
     (void)state;
     given_rows given;

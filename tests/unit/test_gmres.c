@@ -92,8 +92,9 @@ static ehd_status watch_iterations(full_system *system, double tolerance, size_t
     return status;
 }
 
-/* On 19201 nodes a system takes up to 46 iterations, each of which stores a vector. The limit must
- * allow this number of vectors, and their memory must be allocated only when it is needed. */
+/* On 19201 nodes a system takes up to 46 iterations, each of which stores a vector. The limit of
+ * iterations must be higher, and the memory of the vectors must be allocated only when it is
+ * needed. */
 static void vectors_suffice_for_a_fine_grid(void **state) {
     (void)state;
     const ehd_contact contact = sample_contact("barus", "dowson-higginson", 200, 5, 0.0003125);
@@ -145,8 +146,9 @@ static void step_from_stationary(const ehd_contact *contact, double rise) {
     free(previous);
 }
 
-/* The factors of the first system of a step precondition its other systems, although their scales
- * and pressure zones differ. The solutions stay exact, with few iterations. */
+/* The factors of the first system of a time step precondition the other systems of this step,
+ * although their scales and pressure zones differ. The solutions stay exact, with few
+ * iterations. */
 static void factors_serve_the_whole_step(void **state) {
     (void)state;
     const ehd_contact contacts[] = {

@@ -231,8 +231,8 @@ static void few_states_of_two_lubricants(void **state) {
 
 // ---- effects of the grid
 
-/* Effects that are products of powers of M and of 1 + alpha p_H are interpolated exactly. Older
- * models have effects with a sign, which is ignored. */
+/* Effects of the grid on the films are interpolated exactly if they are products of powers of M and
+ * of 1 + alpha p_H. Older models have effects with a sign, which is ignored. */
 static void effects_are_powers(void **state) {
     (void)state;
     places self;
@@ -311,7 +311,7 @@ static void guess_at_a_training_point_is_that_state(void **state) {
         assert_true(reduced.state.exit >= reduced.model.band.lines[0].min_exit);
         assert_true(reduced.state.exit <= reduced.model.band.lines[0].max_exit);
     }
-    // far outside of the training, the guess is a trained solution, with an exit within the tables
+    // far outside of the training, the guess is a trained solution, with an exit within the band
     reduced_guess(&reduced.state, &reduced.model, (contact_place){.moes_M = 1e4, .alpha_p_H = 1e3});
     size_t same = 0;
     for (size_t s = 0; s < TRAINED_STATES; s++)
@@ -443,7 +443,7 @@ static void trained_range_is_the_hull(void **state) {
     assert_false(is_trained(&model, 12 * 1.2, 5.53 * sqrt(1.2), 0));
     assert_false(is_trained(&model, 12 * 0.8, 5.53 * sqrt(0.8), 0));
     model.states.alpha_p_H = line;
-    // a trajectory is a curve through a few stored states
+    // the stored states of a trajectory are a few points of a curve
     model.states.moes_M = line;
     stationary[4] = false;
     assert_true(is_trained(&model, 2.5, 2.5, 0));
@@ -489,7 +489,7 @@ static void outside_the_nearest_range(void **state) {
             assert_non_null(range);
             for (int i = 0; i < 4; i++) {
                 contact_place place = at[i];
-                // the last place is in the small range of M, but its thinning is too large for both
+                // the last place is between M = 20 and 30, but its thinning is too large for both
                 // ranges
                 place.thinning.sliding = kind == 0 ? 0 : i == 3 ? 0.3 : 0.15;
                 found[r][i] = trained_range_outside(range, NULL, place);

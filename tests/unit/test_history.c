@@ -78,7 +78,7 @@ static double value_at(const ehd_histories *self, int quantity, double time) {
     return value[quantity];
 }
 
-/* Compares the load's factor at some times. */
+/* Compares the load's factor at some points in time. */
 static void check_load(const char *histories, size_t count, const double *times,
                        const double *expected, double tolerance) {
     ehd_histories *self = accepts(histories);
@@ -334,7 +334,7 @@ static void splines_are_checked_between_their_knots(void **state) {
     refuses("speed: {law: table, file: dip.csv, column: F}", "found -0.0925 at T = 0.5");
     histories_free(accepts("approach: {law: table, file: dip.csv, column: F}"));
     histories_free(accepts("load: {law: table, file: dip.csv, column: F, interpolation: linear}"));
-    // values before the start or after the end do not matter
+    // values before the start or after the end of the run do not matter
     write_file("dip.csv", "T,F\n-3,1\n-2,0.05\n-1,0.05\n0,1\n2,1\n3,-1\n");
     histories_free(accepts("load: {law: table, file: dip.csv, column: F}"));
     write_file("dip.csv", "T,F\n0,1\n0.5,-1\n1,1\n2,1\n");

@@ -5,7 +5,8 @@
 
 #include <math.h>
 
-/* Tests a cube. Some of its corners are given twice. */
+/* Points inside a cube and on its faces have the distance 0, other points a positive distance. Two
+ * corners of the cube are given twice. */
 static void distances_from_a_cube(void **state) {
     double cube[3 * 10];
     (void)state;

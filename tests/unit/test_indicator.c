@@ -43,9 +43,9 @@ enum { NODES = 12, MODES = 2, SELECTED = 3 };
 
 static const size_t selected[SELECTED] = {1, 4, 9};
 
-/* Makes two residuals for each of three states. The first residual is not converged, and is large
- * at node 5. The second residual is converged. It is a sum of the modes plus a deviation at node 7,
- * 2 or 10. The deviation decreases from state to state. */
+/* Makes two residual vectors for each of three states. The first vector belongs to an iterate that
+ * is not converged, and is large at node 5. The second vector is converged. It is a sum of the
+ * modes plus a deviation at node 7, 2 or 10. The deviation decreases from state to state. */
 static void make_snapshots(double residuals[6][NODES], double modes[MODES][NODES]) {
     const size_t places[] = {7, 2, 10};
 
@@ -76,7 +76,7 @@ static void control_rows_are_where_selected_ones_predict_least(void **state) {
     assert_int_equal(control[0], 7);
     assert_int_equal(control[1], 2);
     assert_int_equal(control[2], 10);
-    // each converged state gives at most one control row; states of trajectories give none of them
+    // each converged state gives at most one control row; states of trajectories give none
     count = 4;
     assert_int_equal(control_choose(control, &count, true, &snapshots, NODES, modes[0], MODES,
                                     selected, SELECTED, &error),
@@ -160,7 +160,8 @@ static void control_residual_is_that_of_all_rows(void **state) {
         indicator *self = indicator_create(&model);
         double *z = malloc(model.num_unknowns * sizeof *z);
         assert_true(self && z);
-        // states of other contacts; some exits are at a checkpoint (reduced_cut.h), others are not
+        // each contact gets the state of another contact; some exits are at a checkpoint
+        // (reduced_cut.h), others are not
         for (size_t s = 0; s < TRAINED_STATES; s++) {
             const ehd_contact *contact = &training.contacts[(s + 5) % TRAINED_STATES];
             const reduced_state at = {.coordinates = z, .exit = model.states.exit[s] + s % 3};
@@ -178,7 +179,8 @@ static void control_residual_is_that_of_all_rows(void **state) {
 
 // ---- error estimate
 
-/* With few modes, results have errors. The estimate follows these errors. */
+/* With few modes, results have errors. The estimate must lie between 0.1 and 1e4 times the largest
+ * error, and decrease when modes are added. */
 static void bound_follows_the_deviation(void **state) {
     const reduced_settings settings = reduced_default_settings();
     double before = 0;
@@ -456,7 +458,8 @@ static void film_error_is_what_each_row_does(void **state) {
     }
 }
 
-/* With all modes and rows, a result has only the error that the last iteration leaves. */
+/* With all modes and rows, a result has only the error that the last iteration leaves. The estimate
+ * must lie between 0.1 and 1e4 times this error. */
 static void what_the_iteration_leaves_is_indicated(void **state) {
     size_t num_ended_early = 0;
     reduced_model model;
