@@ -13,30 +13,41 @@
 
 enum { NUM_SLOTS = 2, SLOT_INVALID = -1 };
 
-/* Real scalars at one time: name of the field, offset for the writer, offset for the reader. */
-static const struct {
-    const char *name;
-    size_t entry;  // offset of a double in time_entry
-    size_t series; // offset of a double * in time_series
-} reals[] = {
-#define SCALAR(field, member)                                                                      \
-    { #field, offsetof(time_entry, member), offsetof(time_series, field) }
-    SCALAR(central_film_thickness, central_film_thickness),
-    SCALAR(minimum_film_thickness, minimum_film_thickness),
-    SCALAR(central_pressure, central_pressure),
-    SCALAR(rigid_approach, rigid_approach),
-    SCALAR(load, load),
-    SCALAR(contact_half_width, contact_half_width),
-    SCALAR(frame_hertz_pressure, frame_hertz_pressure),
-    SCALAR(frame_film_unit, frame_film_unit),
-    SCALAR(residual_norm, residual),
-    SCALAR(time_step, step),
-    SCALAR(time_effect, effect),
-    SCALAR(time_effect_minimum, effect_minimum),
-    SCALAR(indicated_deviation, indicated),
-    SCALAR(indicated_deviation_minimum, indicated_minimum)};
+/* A real scalar at a point in time. */
+typedef struct scalar {
+    const char *name; // name of the field
+    size_t offset;    // of a double in time_entry, or of a double * in time_series
+} scalar;
 
-enum { NUM_REALS = sizeof reals / sizeof *reals };
+/* Scalars that are written. */
+static const scalar reals[] = {
+    {"central_film_thickness", offsetof(time_entry, central_film_thickness)},
+    {"minimum_film_thickness", offsetof(time_entry, minimum_film_thickness)},
+    {"central_pressure", offsetof(time_entry, central_pressure)},
+    {"rigid_approach", offsetof(time_entry, rigid_approach)},
+    {"load", offsetof(time_entry, load)},
+    {"contact_half_width", offsetof(time_entry, contact_half_width)},
+    {"frame_hertz_pressure", offsetof(time_entry, frame_hertz_pressure)},
+    {"frame_film_unit", offsetof(time_entry, frame_film_unit)},
+    {"residual_norm", offsetof(time_entry, residual)},
+    {"time_step", offsetof(time_entry, step)},
+    {"time_effect", offsetof(time_entry, effect)},
+    {"time_effect_minimum", offsetof(time_entry, effect_minimum)},
+    {"indicated_deviation", offsetof(time_entry, indicated)},
+    {"indicated_deviation_minimum", offsetof(time_entry, indicated_minimum)}};
+
+/* Scalars that are read. */
+static const scalar series_reals[] = {
+    {"central_film_thickness", offsetof(time_series, central_film_thickness)},
+    {"minimum_film_thickness", offsetof(time_series, minimum_film_thickness)},
+    {"central_pressure", offsetof(time_series, central_pressure)},
+    {"load", offsetof(time_series, load)},
+    {"friction_coefficient", offsetof(time_series, friction_coefficient)}};
+
+enum {
+    NUM_REALS = sizeof reals / sizeof *reals,
+    NUM_SERIES_REALS = sizeof series_reals / sizeof *series_reals
+};
 
 // ---- creating
 
@@ -105,7 +116,8 @@ ehd_status time_result_create(artefact **file, const program *caller, const ehd_
 
 // ---- entries
 
-/* Writes all exits of each line, or the first exit if the file has one exit per line. */
+/* Writes all exits of each line, or the exit farthest downstream if the file has one exit per
+ * line. */
 static ehd_status put_exits(artefact *file, const time_entry *entries, size_t count,
                             size_t num_lines, size_t index, ehd_error *error) {
     const size_t each = artefact_length(file, "exit") > 0 ? GRID_EXITS : 1;
@@ -136,7 +148,7 @@ static ehd_status put_scalars(artefact *file, const time_entry *entries, size_t 
 
     for (size_t i = 0; i < NUM_REALS && !status; i++)
         status =
-            put_real(file, reals[i].name, reals[i].entry, entries, count, index, column, error);
+            put_real(file, reals[i].name, reals[i].offset, entries, count, index, column, error);
     for (size_t i = 0; i < NUM_TRACTION && !status; i++)
         if (artefact_has(file, traction_entries[i].field))
             status = put_real(file, traction_entries[i].field,
@@ -332,23 +344,17 @@ ehd_status time_result_finish(artefact **file, const time_summary *summary, ehd_
 
 // ---- reading
 
-static double **series_array(time_series *series, size_t scalar) {
-    return (double **)((char *)series + reals[scalar].series);
+static double **series_array(time_series *series, size_t index) {
+    return (double **)((char *)series + series_reals[index].offset);
 }
 
 static ehd_status allocate(time_series *series, const char *path, ehd_error *error) {
     size_t count = series->num_times;
     bool allocated = (series->time = array_new(count, 1, sizeof(double))) != NULL;
 
-    for (size_t i = 0; i < NUM_REALS && allocated; i++)
+    for (size_t i = 0; i < NUM_SERIES_REALS && allocated; i++)
         allocated = (*series_array(series, i) = array_new(count, 1, sizeof(double))) != NULL;
-    series->exit_position = array_new(count, 1, sizeof(double));
-    series->friction_coefficient = array_new(count, 1, sizeof(double));
-    series->newton_iterations = array_new(count, 1, sizeof(int64_t));
-    series->status = array_new(count, 1, sizeof(int64_t));
-    allocated = allocated && series->exit_position && series->friction_coefficient;
-    if (allocated && series->newton_iterations && series->status) return EHD_OK;
-    return ehd_no_memory(error, path);
+    return allocated ? EHD_OK : ehd_no_memory(error, path);
 }
 
 static ehd_status get_time(time_series *series, artefact *file, ehd_error *error) {
@@ -365,46 +371,12 @@ static ehd_status get_time(time_series *series, artefact *file, ehd_error *error
     return status;
 }
 
-/* Reads one number of a field for each time. The field has `each` numbers per time, of which number
- * `place` is read. The result is NaN if the file lacks the field. */
+/* Reads a field with one number for each time. Sets NaN if the file lacks the field. */
 static ehd_status get_real(double *values, size_t num_times, artefact *file, const char *name,
-                           size_t each, size_t place, ehd_error *error) {
+                           ehd_error *error) {
     for (size_t t = 0; t < num_times; t++)
         values[t] = NAN;
-    if (!artefact_has(file, name)) return EHD_OK;
-    double *all = array_new(num_times, each, sizeof *all);
-    if (!all) return ehd_no_memory(error, artefact_path(file));
-
-    ehd_status status = artefact_get(file, name, all, num_times * each, error);
-    for (size_t t = 0; t < num_times && !status; t++)
-        values[t] = all[t * each + place];
-    free(all);
-    return status;
-}
-
-static ehd_status get_reals(time_series *series, artefact *file, size_t num_lines,
-                            ehd_error *error) {
-    const size_t count = series->num_times;
-    const size_t exits = artefact_length(file, "exit") > 0 ? artefact_length(file, "exit") : 1;
-    ehd_status status = EHD_OK;
-
-    for (size_t i = 0; i < NUM_REALS && !status; i++)
-        status = get_real(*series_array(series, i), count, file, reals[i].name, 1, 0, error);
-    if (!status)
-        status = get_real(series->exit_position, count, file, "exit_position", num_lines * exits,
-                          num_lines / 2 * exits, error);
-    if (!status)
-        status = get_real(series->friction_coefficient, count, file, "friction_coefficient", 1, 0,
-                          error);
-    return status;
-}
-
-static ehd_status get_integers(int64_t *values, size_t num_times, artefact *file, const char *name,
-                               ehd_error *error) {
-    for (size_t t = 0; t < num_times; t++)
-        values[t] = -1;
-    return artefact_has(file, name) ? artefact_get_integers(file, name, values, num_times, error)
-                                    : EHD_OK;
+    return artefact_has(file, name) ? artefact_get(file, name, values, num_times, error) : EHD_OK;
 }
 
 static ehd_status get_series(time_series *series, artefact *file, const contact_kind *kind,
@@ -422,11 +394,9 @@ static ehd_status get_series(time_series *series, artefact *file, const contact_
     series->num_times = artefact_length(file, "time");
     status = allocate(series, artefact_path(file), error);
     if (!status) status = get_time(series, file, error);
-    if (!status) status = get_reals(series, file, contact.num_lines, error);
-    if (!status)
-        status = get_integers(series->newton_iterations, series->num_times, file,
-                              "newton_iterations", error);
-    if (!status) status = get_integers(series->status, series->num_times, file, "status", error);
+    for (size_t i = 0; i < NUM_SERIES_REALS && !status; i++)
+        status = get_real(*series_array(series, i), series->num_times, file, series_reals[i].name,
+                          error);
     return status;
 }
 
@@ -443,12 +413,8 @@ ehd_status time_series_read(time_series *series, const char *path, const contact
 }
 
 void time_series_free(time_series *series) {
-    for (size_t i = 0; i < NUM_REALS; i++)
+    for (size_t i = 0; i < NUM_SERIES_REALS; i++)
         free(*series_array(series, i));
     free(series->time);
-    free(series->exit_position);
-    free(series->friction_coefficient);
-    free(series->newton_iterations);
-    free(series->status);
     memset(series, 0, sizeof *series);
 }

@@ -13,25 +13,25 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Results at one time. Numbers are dimensionless and in the reference frame unless noted otherwise.
- * NaN: the value is not known. */
+/* Results at one point in time. Numbers are dimensionless and in the reference frame unless noted
+ * otherwise. NaN: the value is not known. */
 typedef struct time_entry {
     double time; // T, increasing from entry to entry
     double central_film_thickness;
     double minimum_film_thickness;
     double central_pressure;
     double rigid_approach;
-    double load;                 // relative to the reference
-    double contact_half_width;   // half width of the frame, relative to the reference
-    double frame_hertz_pressure; // relative to the reference
-    double frame_film_unit;      // a^2/R, relative to the reference
+    double load;                 // relative to the reference load
+    double contact_half_width;   // half width of the current frame, relative to the reference
+    double frame_hertz_pressure; // Hertz pressure of the current frame, relative to the reference
+    double frame_film_unit;      // a^2/R of the current frame, relative to the reference
     double surface_position;     // only if a surface is not smooth
     const double *exits; // [lines of the whole grid, GRID_EXITS], in the order of march_solver
     size_t newton_iterations;
     double residual;
     ehd_status status;                   // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
     bool by_full_model;                  // only in a file `with_models`
-    double step;                         // time step that led here; 0 at the start
+    double step;                         // length of the time step that ends here; 0 at the start
     double effect, effect_minimum;       // effect of the time steps on the films, as in march_step
     double indicated, indicated_minimum; // error estimates of the films, as in march_step
     contact_traction traction;           // in the reference frame; unknown without traction
@@ -44,7 +44,7 @@ typedef struct time_entry {
 typedef struct time_summary {
     double seconds; // time of the solution, without reading and writing
     double seconds_rows, seconds_linear, seconds_exit; // parts of `seconds`; NaN: not measured
-    size_t num_steps;                                  // accepted steps
+    size_t num_steps;                                  // accepted time steps
     size_t num_rejected;      // number of steps that were rejected and repeated with a shorter step
     size_t newton_iterations; // iterations of all steps, rejected ones included
     // only in a file `with_models`:
@@ -53,10 +53,10 @@ typedef struct time_summary {
 } time_summary;
 
 /* Creates caller->output and starts streaming. Errors: see artefact_create.
- * - `with_fields`: the file has pressure and film, at some times at least.
+ * - `with_fields`: the file has pressure and film, at least at some points in time.
  * - `with_all_exits`: the file has the exit of every interval of pressure, for entrainment that
  *   reverses. Otherwise it has one exit per line.
- * - `with_models`: the file stores which model solved each time.
+ * - `with_models`: the file stores which model solved each time step.
  * - `restart_size`: how many numbers a run needs to continue; 0: the run cannot be resumed.
  * - `inputs`: paths, NULL at the end. */
 ehd_status time_result_create(
@@ -99,8 +99,8 @@ ehd_status time_result_resume(
  * case; on failure NAME.partial stays. */
 ehd_status time_result_finish(artefact **file, const time_summary *summary, ehd_error *error);
 
-/* Scalars of a result over time. A stationary result has one time. A file of another program may
- * lack values: reals are then NaN, and integers -1. */
+/* Scalars of a result over time. A stationary result has one point in time. A file of another
+ * program may lack values, which are then NaN. */
 typedef struct time_series {
     ehd_grid grid; // whole grid; it has no nodes for a line contact without fields
     double moes_M, moes_L, alpha_p_H;
@@ -111,24 +111,13 @@ typedef struct time_series {
     double *central_film_thickness;
     double *minimum_film_thickness;
     double *central_pressure;
-    double *rigid_approach;
     double *load;
-    double *contact_half_width;
-    double *frame_hertz_pressure;
-    double *frame_film_unit;
-    double *exit_position; // exit farthest downstream at Y = 0
-    double *residual_norm;
-    double *time_step;
-    double *time_effect, *time_effect_minimum;
-    double *indicated_deviation, *indicated_deviation_minimum;
     double *friction_coefficient;
-    int64_t *newton_iterations;
-    int64_t *status;
 } time_series;
 
 /* Reads the scalars of a result over time. Errors: see artefact_open. Also returns EHD_DATA for
- * another kind of contact, for times that do not increase, and for several times if the axis `time`
- * has no values. */
+ * another kind of contact, for times that do not increase, and for several points in time if the
+ * axis `time` has no values. */
 ehd_status time_series_read(
     // output:
     time_series *series, // free with time_series_free, also after a failure

@@ -195,18 +195,42 @@ static void check_series(const time_series *series, size_t num_times) {
         check_close(series->central_film_thickness[i], entry.central_film_thickness, 0, 0);
         check_close(series->minimum_film_thickness[i], entry.minimum_film_thickness, 0, 0);
         check_close(series->central_pressure[i], entry.central_pressure, 0, 0);
-        check_close(series->rigid_approach[i], entry.rigid_approach, 0, 0);
         check_close(series->load[i], entry.load, 0, 0);
-        check_close(series->contact_half_width[i], entry.contact_half_width, 0, 0);
-        check_close(series->exit_position[i], entry.exits[0], 0, 0);
-        check_close(series->residual_norm[i], entry.residual, 0, 0);
-        check_close(series->time_step[i], entry.step, 0, 0);
-        check_close(series->time_effect[i], entry.effect, 0, 0);
-        check_close(series->time_effect_minimum[i], entry.effect_minimum, 0, 0);
-        check_close(series->indicated_deviation[i], entry.indicated, 0, 0);
-        check_close(series->indicated_deviation_minimum[i], entry.indicated_minimum, 0, 0);
-        assert_int_equal(series->newton_iterations[i], entry.newton_iterations);
-        assert_int_equal(series->status[i], entry.status == EHD_NOT_CONVERGED);
+    }
+}
+
+/* Checks the scalars of the file that time_series does not read. */
+static void check_scalars(artefact *file, size_t num_times) {
+    static const struct {
+        const char *name;
+        size_t offset; // of a double in time_entry
+    } reals[] = {{"rigid_approach", offsetof(time_entry, rigid_approach)},
+                 {"contact_half_width", offsetof(time_entry, contact_half_width)},
+                 {"residual_norm", offsetof(time_entry, residual)},
+                 {"time_step", offsetof(time_entry, step)},
+                 {"time_effect", offsetof(time_entry, effect)},
+                 {"time_effect_minimum", offsetof(time_entry, effect_minimum)},
+                 {"indicated_deviation", offsetof(time_entry, indicated)},
+                 {"indicated_deviation_minimum", offsetof(time_entry, indicated_minimum)}};
+
+    const size_t num_exits = artefact_length(file, "exit") > 0 ? GRID_EXITS : 1;
+
+    for (size_t i = 0; i < num_times; i++) {
+        const time_entry entry = entry_at(i);
+        int64_t integer;
+        double found, exits[GRID_EXITS];
+        for (size_t r = 0; r < sizeof reals / sizeof *reals; r++) {
+            double expected;
+            memcpy(&expected, (const char *)&entry + reals[r].offset, sizeof expected);
+            check_ok(artefact_get_part(file, reals[r].name, i, 1, &found, 1, &error));
+            check_close(found, expected, 0, 0);
+        }
+        check_ok(artefact_get_part(file, "exit_position", i, 1, exits, num_exits, &error));
+        check_close(exits[0], entry.exits[0], 0, 0);
+        check_ok(artefact_get_integers_part(file, "newton_iterations", i, 1, &integer, 1, &error));
+        assert_int_equal(integer, entry.newton_iterations);
+        check_ok(artefact_get_integers_part(file, "status", i, 1, &integer, 1, &error));
+        assert_int_equal(integer, entry.status == EHD_NOT_CONVERGED);
     }
 }
 
@@ -241,10 +265,10 @@ static void check_result(size_t num_times, bool with_fields) {
     check_close(series.alpha_p_H, contact.alpha_p_H, 0, 0);
     check_close(series.hertz_pressure, contact.hertz_pressure, 0, 0);
     time_series_free(&series);
-    if (!with_fields) return;
     check_ok(artefact_open(&file, path, schemas, &error));
-    check_field(file, "pressure", num_times, 1);
-    check_field(file, "film_thickness", num_times, -1);
+    check_scalars(file, num_times);
+    if (with_fields) check_field(file, "pressure", num_times, 1);
+    if (with_fields) check_field(file, "film_thickness", num_times, -1);
     artefact_close(&file);
 }
 
@@ -365,9 +389,8 @@ static void stationary_is_one_time(void **state) {
     assert_int_equal(series.num_times, 1);
     check_close(series.time[0], 0, 0, 0);
     check_close(series.central_film_thickness[0], 0.25, 0, 0);
-    check_close(series.contact_half_width[0], 1, 0, 0);
-    assert_true(isnan(series.time_step[0]));
-    assert_int_equal(series.newton_iterations[0], 5);
+    check_close(series.load[0], 1, 0, 0);
+    assert_true(isnan(series.friction_coefficient[0]));
     time_series_free(&series);
     time_series_free(&series);
 }
@@ -612,7 +635,7 @@ static size_t kill_and_resume(size_t first, size_t num_times, long stride) {
 
 static void kill_at_every_write(void **state) {
     (void)state;
-    const size_t sizes[] = {RESTART_SIZE, 400}; // in bytes, more and less than a page
+    const size_t sizes[] = {RESTART_SIZE, 400}; // these numbers take more and less than a page
     const long stride = check_all() ? 1 : 29;
     for (size_t i = 0; i < 2; i++) {
         restart_size = sizes[i];
