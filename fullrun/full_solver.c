@@ -76,14 +76,8 @@ full_solver *full_solver_free(full_solver *self) {
     return NULL;
 }
 
-/* Number of inner nodes above which a grid is large. From 33 nodes a side on, multigrid takes half
- * of the time of the factors (README.md, Large point contacts). The limit is higher, because the
- * grids of trainings and studies have up to 129 by 65 nodes, and multigrid would change the
- * round-off of their solutions. */
-static const size_t LARGE = 10000;
-
 bool full_is_large(const ehd_grid *grid) {
-    return grid->inner_lines > 1 && grid->num_inner > LARGE;
+    return grid->inner_lines > 1 && grid->num_inner > LARGE_GRID;
 }
 
 bool full_as_large(const ehd_grid *grid, const full_settings *settings) {
@@ -736,26 +730,23 @@ static void list_unknowns(full_solver *self, const full_state *state) {
     }
 }
 
-// Largest scaled residual that round-off may leave. Round-off leaves more than 1e-12 on 513 by 513
-// nodes of a point contact. On a line contact with step 0.000625 at M = 2000 round-off leaves up to
-// 9e-12 (test_full_solver.c, rounding_ends_the_iteration).
-static const double MAX_ROUNDING = 1e-10;
-
 /* Returns the scaled residual that round-off may leave in the closure equation. The entries of this
  * row are 1, so round-off leaves some units in the last place of the sum of pressures. This
- * residual grows with the number of nodes. From 1400 nodes a side on, it exceeds MAX_ROUNDING. */
+ * residual grows with the number of nodes. From 1400 nodes a side on, it exceeds the default
+ * tolerance. */
 static double rounding_left(const full_solver *self) {
     const double sum = fabs(self->closure.value) / grid_cell(&self->grid);
 
-    return fmax(MAX_ROUNDING, 4 * DBL_EPSILON * sum);
+    return fmax(full_default_settings().tolerance, 4 * DBL_EPSILON * sum);
 }
 
-/* Checks whether the residual is below the tolerance. On a grid so fine that round-off prevents
- * this, checks whether the residual no longer falls. */
+/* Checks whether the residual is below the tolerance. A tolerance below the default one is met as
+ * far as round-off allows: the residual is below the default tolerance and no longer falls
+ * (test_full_solver.c, rounding_ends_the_iteration). */
 static bool is_solved(const full_solver *self, double residual, double last_residual) {
     if (residual < self->settings.tolerance) return true;
-    return self->largest_row < MAX_ROUNDING && residual < rounding_left(self) &&
-           residual > 0.5 * last_residual;
+    return self->largest_row < full_default_settings().tolerance &&
+           residual < rounding_left(self) && residual > 0.5 * last_residual;
 }
 
 /* Computes the position of an exit between nodes, for a solution with exits at nodes. `last` is the

@@ -26,8 +26,10 @@
 
 /* A grid is the coarsest one if it has at most COARSEST lines or at most COARSEST columns. A band
  * matrix solves it. With COARSEST = 4 the cycles converge too slowly (test_multigrid.c,
- * cycles_converge_on_any_grid). MAX_LEVELS is the largest number of grids. */
-enum { COARSEST = 40, MAX_LEVELS = 20 };
+ * cycles_converge_on_any_grid). */
+enum { COARSEST = 40 };
+
+enum { MAX_LEVELS = 20 }; // number of grids; each has half of the lines of the grid before
 
 /* Factors L U of a line's matrix in the row of node c: the entries of L in the columns c - 2 and c
  * - 1, the reciprocal of the diagonal entry of U, and the entry of U in column c + 1. */
@@ -74,17 +76,17 @@ static bool is_coarsest(const level *self) {
     return self->columns <= COARSEST || self->lines <= COARSEST;
 }
 
-/* Ratio of the flow across the lines to the flow along them, above which a coarser grid keeps all
- * nodes of a line. If the coarser grid dropped every other node of such lines, GMRES would stall
- * (README.md, Large point contacts; test_multigrid.c, cycles_converge_on_narrow_ellipses). */
-static const double MUCH_ACROSS = 4;
-
+/* Halves the number of lines. If the flow across the lines then is still larger than the flow along
+ * them, the coarser grid keeps all nodes of a line. If it dropped every other node of such lines,
+ * GMRES would stall (README.md, Large point contacts; test_multigrid.c,
+ * cycles_converge_on_narrow_ellipses). */
 static level coarser(const level *fine) {
-    const size_t stride = fine->flow_across > MUCH_ACROSS ? 1 : 2;
+    const double fewer_lines = fine->flow_across / 4; // flow_across if only the lines are halved
+    const size_t stride = fewer_lines > 1 ? 1 : 2;
     level coarse = {.columns = (fine->columns + stride - 1) / stride,
                     .lines = (fine->lines + 1) / 2,
                     .stride = stride,
-                    .flow_across = fine->flow_across * (double)(stride * stride) / 4,
+                    .flow_across = fewer_lines * (double)(stride * stride),
                     .mirrored = fine->mirrored};
 
     coarse.num = coarse.columns * coarse.lines;

@@ -3,6 +3,7 @@
 
 #include "common/physics/exit.h"
 #include "common/physics/far_field.h"
+#include "common/physics/grid_choice.h"
 #include "fullrun/continuation.h"
 
 #include <math.h>
@@ -91,16 +92,13 @@ static void viscous_pressure(double *viscous, const double *log_viscosity, const
  * of `start`, from dP/dX = viscosity lambda (H - H_exit)/H^3. H is the gap of the dry contact plus
  * a constant. The midpoint rule integrates over s, with X = start / s. */
 static inlet_tail tail_before(const central_line *line, const ehd_contact *contact, double start) {
-    // Number of intervals of s. From 20 intervals on, the first two digits of the inlet estimates
-    // do not change, for M = 1, 5 and 20 (README.md, Estimates of inlet and step).
-    const int num_intervals = 200;
-    const double stride = 1. / num_intervals, flux = line->film[line->exit];
+    const double stride = 1. / INLET_INTERVALS, flux = line->film[line->exit];
     const contact_kind *kind = contact->kind;
     const contact_shape *shape = &contact->grid.shape;
     const double first = grid_x(&contact->grid, 0);
     inlet_tail tail = {0, 0};
 
-    for (int i = 0; i < num_intervals; i++) {
+    for (int i = 0; i < INLET_INTERVALS; i++) {
         const double s = (i + 0.5) * stride, x = start / s, length = fabs(x) / s * stride;
         const double film = line->film[0] + kind->dry_gap(shape, x) - kind->dry_gap(shape, first);
         const double slope = contact->lambda * fmax(film - flux, 0) / (film * film * film);

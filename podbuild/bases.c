@@ -4,6 +4,7 @@
  * Called by main.c, and by snapgen/trial.c for models during adaptive training. */
 #include "podbuild/bases.h"
 
+#include "common/algebra/rounding.h"
 #include "common/physics/deflection.h"
 #include "common/program/arena.h"
 #include "podbuild/test_weight.h"
@@ -125,7 +126,9 @@ static ehd_status find_modes(pod_basis *pod, reading *self, const pod_settings *
  * modes are written as a part file. */
 static pod_settings share_of(const pod_settings *wanted, const snapshot_set *from,
                              const bases_settings *settings) {
-    const double share = settings->as_part ? SMALL_SHARE : from->num_parts > 0 ? ROOT_SHARE : 1;
+    const double share = settings->as_part     ? SMALL_SHARE
+                         : from->num_parts > 0 ? bases_modes_share()
+                                               : 1;
     pod_settings root = *wanted;
 
     root.discarded_energy *= share * share;
@@ -139,13 +142,12 @@ static ehd_status check_distance(const pod_basis *pod, const snapshot_set *from,
                                  const bases_settings *settings, const bases_plan *plan,
                                  ehd_error *error) {
     const double share = 2 * SMALL_SHARE;
-    // tolerance for round-off of the distance (stream.bats, "a part that left out")
-    const double rounding = 1 + 1e-6;
     const double asked = sqrt(plan->energy * pod->energy);
-    const double left_out = settings->pressure.num_modes > 0 ? sqrt(pod->tail) / ROOT_SHARE : 0;
+    const double left_out =
+        settings->pressure.num_modes > 0 ? sqrt(pod->tail) / bases_modes_share() : 0;
     const double most = fmax(asked, left_out);
 
-    if (from->num_parts == 0 || pod->distance <= rounding * share * most) return EHD_OK;
+    if (from->num_parts == 0 || pod->distance <= (1 + ROUNDING) * share * most) return EHD_OK;
     return ehd_fail(
         error, EHD_DATA,
         "%s: found parts that leave out %.1e of the energy, expected at most %.1e; compress "

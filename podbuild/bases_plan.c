@@ -5,11 +5,16 @@
  * Called by main.c (bases_plan_make) and by bases.c (bases_plan_at_once). */
 #include "podbuild/bases_plan.h"
 
+#include <float.h>
 #include <math.h>
 
-/* Fractions of the square root of the allowed energy (bases_plan.h; stream.bats, "a small limit:
+/* Fraction of the square root of the allowed energy (bases_plan.h; stream.bats, "a small limit:
  * the error within the bound"). */
-const double SMALL_SHARE = 0.05, ROOT_SHARE = 0.9;
+const double SMALL_SHARE = 0.05;
+
+double bases_modes_share(void) {
+    return 1 - 2 * SMALL_SHARE;
+}
 
 /* Dropped directions may have this fraction of the allowed energy that remains beside the distance
  * from the directions (stream.bats, "a small limit: the error within the bound"). */
@@ -20,10 +25,6 @@ static const double DROPPED_SHARE = 0.2;
  * than fits in memory). */
 static const double EXACT_ENERGY = 4e-20;
 
-/* Lower limit of the local energy. A smaller energy is only round-off (README.md, More than fits
- * in memory). */
-static const double LEAST_LOCAL = 1e-28;
-
 /* Sets the energies that a stream may omit. For a part file, half of the square root of its allowed
  * energy is for the distance of the snapshots from the directions, and half for omitted modes. */
 static void share_energy(bases_plan *plan, const bases_settings *settings) {
@@ -31,7 +32,9 @@ static void share_energy(bases_plan *plan, const bases_settings *settings) {
     const double local = settings->as_part ? 0.5 : SMALL_SHARE;
 
     plan->energy = settings->exact ? EXACT_ENERGY : settings->pressure.discarded_energy;
-    plan->stream.local_energy = fmax(local * local * part * plan->energy, LEAST_LOCAL);
+    plan->stream.local_energy =
+        fmax(local * local * part * plan->energy, DBL_EPSILON * DBL_EPSILON); // round-off
+
     plan->stream.dropped_energy = DROPPED_SHARE * (1 - local) * (1 - local) * part * plan->energy;
 }
 

@@ -23,9 +23,11 @@ typedef struct bases_settings {
 
 /* Fractions of the square root of the allowed energy. SMALL_SHARE is the fraction for the distance
  * of the snapshots from the directions of a stream. It is also the fraction for the energy that
- * part files have omitted. ROOT_SHARE is the fraction for the omitted modes if there are part
- * files. */
-extern const double SMALL_SHARE, ROOT_SHARE;
+ * part files have omitted. */
+extern const double SMALL_SHARE;
+
+/* Returns the fraction for the omitted modes if there are part files: what the other two leave. */
+double bases_modes_share(void);
 
 typedef struct bases_plan {
     bool at_once;  // all rows are one block

@@ -125,6 +125,13 @@ typedef struct ehd_grid {
     contact_shape shape;   // shape of the dry contact, whose semi-axes scale X and Y
 } ehd_grid;
 
+/* Number of inner nodes above which a grid is large. From 33 nodes a side of a point contact on,
+ * multigrid takes half of the time of the factors (fullrun/README.md, Large point contacts). The
+ * limit is higher, because the grids of trainings and studies have up to 129 by 65 nodes, and
+ * multigrid would change the round-off of their solutions. With 10,000 nodes a time step of a line
+ * contact takes 0.13 s (test_time_grid.c, grids_stay_within_bounds). */
+enum { LARGE_GRID = 10000 };
+
 /* Ends and step of a grid, in contact half widths. */
 typedef struct grid_extent {
     double x_min, x_max, step;

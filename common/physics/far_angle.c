@@ -64,6 +64,16 @@ static double even_series(const double *term, double place) {
     return term[0] + twice / 2 * here - ahead;
 }
 
+/* Returns the derivative of even_series with respect to `place`, which must not be 1. */
+static double even_slope(const double *term, double place) {
+    const double theta = acos(place);
+    double sum = 0;
+
+    for (int j = 1; j < FAR_TERMS; j++)
+        sum += 2 * j * term[j] * sin(2 * j * theta);
+    return sum / sin(theta);
+}
+
 /* Coefficients of the homogeneous equation h'' + c1 h' - c0 h = 0. h is a function of chi, and is
  * added to `driven` with a factor b so that S has an exit. */
 typedef struct far_coefficients {
@@ -108,19 +118,14 @@ static void solve_growth(double term[FAR_TERMS], double ratio) {
 }
 
 /* Returns chi of the exit, where driven + b h touches zero. At the exit -driven/h has its maximum,
- * which is b. The exit lies between pi/2, where -driven/h is 0, and LAST. `growth`, the derivative
- * of ln h, is a difference quotient. */
+ * which is b. The exit lies between pi/2, where -driven/h is 0, and LAST. `growth` is the
+ * derivative of ln h. */
 static double find_exit(const double *term, double ratio) {
-    // Distance in chi of the difference quotient, radians. If the distance is 1e-2, the solution
-    // does not keep the flow (test_far_angle.c, keeps_the_flow).
-    const double d = 1e-4;
-    double low = M_PI_2, high = LAST - d;
+    double low = M_PI_2, high = LAST;
 
     for (int i = 0; i < 40; i++) {
         const double chi = (low + high) / 2;
-        const double growth =
-            log(even_series(term, (chi + d) / LAST) / even_series(term, (chi - d) / LAST)) /
-            (2 * d);
+        const double growth = even_slope(term, chi / LAST) / (LAST * even_series(term, chi / LAST));
         *(driven_slope(ratio, chi) > growth ? &low : &high) = chi;
     }
     return low;

@@ -91,18 +91,15 @@ static const grid_rule *rule_of(const ehd_contact *contact) {
  * integral is the viscous pressure at -start in an inlet with the gap of the dry contact (Grubin).
  * It is computed by the midpoint rule in t, with X = -start/s and s = 1 - t^2. */
 static double grubin_integral(const ehd_contact *contact, double film, double start) {
-    // Number of intervals. Numbers from 4 to 400 give the same inlets for seven line contacts (M
-    // 0.5 to 1000, L 0 to 15) (README.md, Default grid).
-    const int num_intervals = 400;
     double sum = 0;
 
-    for (int i = 0; i < num_intervals; i++) {
-        const double t = (i + 0.5) / num_intervals, s = 1 - t * t;
+    for (int i = 0; i < INLET_INTERVALS; i++) {
+        const double t = (i + 0.5) / INLET_INTERVALS, s = 1 - t * t;
         const double gap = contact->kind->dry_gap(&contact->grid.shape, start / s),
                      whole = gap + film;
         sum += gap / (whole * whole * whole) * start / (s * s) * 2 * t;
     }
-    return sum / num_intervals;
+    return sum / INLET_INTERVALS;
 }
 
 /* Returns the relative change of the film if the load beyond a domain is missing.

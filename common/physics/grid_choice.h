@@ -8,6 +8,12 @@
 
 #include "common/physics/contact.h"
 
+/* Number of intervals of the midpoint rule over start/X, for integrals over the inlet upstream of
+ * X = start. Numbers from 4 to 400 give the same inlets for seven line contacts (M 0.5 to 1000, L 0
+ * to 15; README.md, Default grid). From 20 intervals on, the first two digits of the inlet
+ * estimates do not change, for M = 1, 5 and 20 (fullrun/README.md, Estimates of inlet and step). */
+enum { INLET_INTERVALS = 200 };
+
 /* Returns the extent that a contact needs in the accurate discretisation, from its M and L. */
 grid_extent grid_extent_needed(const ehd_contact *contact);
 

@@ -4,6 +4,7 @@
  * Called by lubricant.c through the table viscosity_laws (laws.c). */
 #include "common/physics/laws.h"
 
+#include <float.h>
 #include <gsl/gsl_integration.h>
 #include <math.h>
 #include <stdbool.h>
@@ -243,29 +244,26 @@ static double wlf(const ehd_lubricant *self, double pressure, double *derivative
     return wlf_log_absolute(constants, pressure, derivative) - constants[WLF_LOG_AT_ZERO];
 }
 
+/* Checks whether the viscosity has passed its maximum, or its pole, at this pressure. At all higher
+ * pressures it has passed it too. */
+static bool wlf_is_beyond(const double *constants, double pressure) {
+    double slope;
+    const double y = wlf_shift(constants, pressure, &slope);
+
+    return slope >= 0 || constants[WLF_C2] + y <= 0;
+}
+
 /* Returns the largest pressure at which the law holds, with a relative accuracy of 1e-9. The
  * viscosity has a maximum where y stops falling, and a pole where C2 + y reaches zero. The limit is
  * the smaller of these two pressures, or 100 GPa if both are larger. */
 static double wlf_pressure_limit(const double *constants) {
-    // Step of the search, Pa. With steps from 1e5 to 1e8 the limits are the published ones
-    // (test_lubricant.c, wlf_coefficients_and_limits).
-    const double step = 1e6;
     const double max = 1e11; // Bounds of the limit, Pa
-    double slope, low = 0;
+    double low = 0, high = max;
 
-    for (double p = 0; p <= max; p += step) {
-        double y = wlf_shift(constants, p, &slope);
-        if (slope >= 0 || constants[WLF_C2] + y <= 0) break;
-        low = p;
-    }
-    double high = low + step;
+    if (!wlf_is_beyond(constants, max)) return max;
     while (high - low > 1e-9 * high) {
-        double middle = (low + high) / 2;
-        double y = wlf_shift(constants, middle, &slope);
-        if (slope >= 0 || constants[WLF_C2] + y <= 0)
-            high = middle;
-        else
-            low = middle;
+        const double middle = (low + high) / 2;
+        *(wlf_is_beyond(constants, middle) ? &high : &low) = middle;
     }
     return low;
 }
@@ -287,14 +285,11 @@ static double gauss_kronrod(ehd_lubricant *self, double left, double right) {
  * pressure at which eta0/eta has decayed may be of any size. GSL's adaptive rules would end the
  * process if they did not converge or got no memory. */
 static double integrate_inverse_viscosity(ehd_lubricant *self, double end) {
-    // Number of octaves. With 40 octaves the first interval is 1e-12 of the range. If each octave
-    // is halved, alpha of the published oils stays the same (test_lubricant.c,
-    // alpha_is_the_integral_of_fluidity).
-    enum { NUM_OCTAVES = 40 };
-    double sum = gauss_kronrod(self, 0, ldexp(end, -NUM_OCTAVES));
+    double sum = 0;
 
-    for (int i = NUM_OCTAVES; i > 0; i--)
-        sum += gauss_kronrod(self, ldexp(end, -i), ldexp(end, 1 - i));
+    // eta0/eta is at most 1, so the integral up to `high` is at most `high`
+    for (double high = end; high > DBL_EPSILON * sum; high /= 2)
+        sum += gauss_kronrod(self, high / 2, high);
     return sum;
 }
 

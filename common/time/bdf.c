@@ -9,11 +9,14 @@
 // Source: 1 + sqrt(2), the bound of zero-stability (README.md, BDF2)
 const double bdf_most_growth = 1 + 1.4142135623730951;
 
-/* Largest sum of the magnitudes of a predictor's weights. The error of a prediction is at most this
- * sum times the largest error of the states. The sum is reached if each step is bdf_most_growth
- * times as long as the step before. A sum of 5 is too small (test_bdf.c,
- * error_is_that_of_the_next_power). */
-static const double MOST_ENLARGED = 46;
+/* Returns the largest sum of the magnitudes of a predictor's weights. The error of a prediction is
+ * at most this sum times the largest error of the states. The sum is that of a predictor of second
+ * degree if each step is bdf_most_growth times as long as the step before. */
+static double most_enlarged(void) {
+    const double growth = bdf_most_growth;
+
+    return (1 + ROUNDING) * (1 + 2 * growth * (1 + growth * (1 + growth)));
+}
 
 /* A step of first order is predicted from the slope between the two known states. This constant is
  * the largest ratio of such a step to the time between these states. The iteration leaves an error
@@ -77,7 +80,7 @@ static void set_second_order(bdf_formula *formula, double step, const double *ag
         chosen[2] = third;
         set_predictor(formula, ago, chosen, 3);
         formula->error = step * ago[second] / ((step + ago[second]) * ago[third]);
-        if (enlarged(formula) <= MOST_ENLARGED) return;
+        if (enlarged(formula) <= most_enlarged()) return;
     }
     set_predictor(formula, ago, chosen, 2);
     formula->error = step / ago[second];

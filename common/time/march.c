@@ -75,10 +75,6 @@ static const double WATCHED_PART = 1. / 16;
  * (test_march.c, times_closer_than_a_thousandth_of_the_step_are_one). */
 static const double SLIVER = 1e-3;
 
-/* Largest number of halvings of a time step because of a surface that is not smooth. After so many
- * halvings 1e-18 of the step is left (README.md, A surface that is not smooth). */
-enum { MAX_HALVINGS = 60 };
-
 march_settings march_settings_of(const scene *given, const ehd_histories *histories,
                                  double reference_approach) {
     const bool path = strcmp(given->transport, transport_name(TRANSPORT_PATH)) == 0;
@@ -234,7 +230,7 @@ static double step_of_surface(const march *self) {
     if (!surface || !isnan(self->settings.fixed_step)) return step;
     const contact_frame frame = march_frame(&self->settings, self->reference->kind, self->histories,
                                             state->time, state->forecast.load);
-    for (int i = 0; i < MAX_HALVINGS; i++) {
+    for (int i = 0; i < DBL_MANT_DIG; i++) { // then nothing of the step is left
         const double path = histories_path(self->histories, state->time + step) - frame.path;
         const double longest =
             surface_longest_path(surface, &frame, &self->reference->grid, path < 0);

@@ -14,10 +14,6 @@
  * (README.md, A surface that is not smooth; test_surface.c, steps_see_it_come). */
 static const double PART_OF_LENGTH = 0.5;
 
-/* Movement of a surface in a time step that is always allowed, in grid steps. The grid does not
- * resolve shorter movements (README.md, Along the path). */
-static const double PART_OF_STEP = 0.25;
-
 /* Least number of grid steps in one wave. With four steps the smallest film is at most 0.3 % off,
  * with three 1.7 % (README.md, A surface that is not smooth; test_surface.c,
  * what_the_grid_does_not_see_is_refused). */
@@ -465,9 +461,7 @@ double surface_longest_path(const ehd_surface *self, const contact_frame *frame,
     const double first = first_x(grid) * frame->half_width, last = last_x(grid) * frame->half_width;
     const double front = position + self->front, rear = position + self->rear;
     const bool to_larger = backwards ? speed < 0 : speed > 0;
-    const double resolved =
-        fmax(PART_OF_LENGTH * self->length, PART_OF_STEP * grid->step * frame->half_width);
-    double move = resolved;
+    double move = PART_OF_LENGTH * self->length;
 
     if (surface_rests(self)) return INFINITY;
     if (front < first) move = to_larger ? fmax(move, first - front) : INFINITY;

@@ -5,12 +5,6 @@
 
 #include <math.h>
 
-/* Largest number of nodes of a grid that is longer because of light loads. Twice the nodes of the
- * reference's own grid are always allowed. With 10,000 nodes a time step of a line contact takes
- * 0.13 s. On larger grids of point contacts the full model does not factorise the whole system
- * (full_is_large; test_time_grid.c, grids_stay_within_bounds). */
-static const double MOST_NODES = 10000;
-
 /* Largest estimated errors of the central film because of the length of the inlet: USUAL_EFFECT
  * for default grids, LARGEST_EFFECT for trusted results. LARGEST_EFFECT is the error of a film
  * formula (common/physics/README.md, Default grid; test_time_grid.c, default_grids_suffice). */
@@ -90,7 +84,7 @@ grid_extent time_grid_extent(const ehd_histories *histories, const ehd_contact *
                              double end_time) {
     const bool reverses = histories_reverse(histories);
     const grid_extent own = extent_of(reference, reference, reverses);
-    const double most = fmax(2 * count_nodes(reference, &own), MOST_NODES);
+    const double most = fmax(2 * count_nodes(reference, &own), LARGE_GRID);
 
     if (!contact_has_chosen_grid(reference)) return own;
     ehd_contact lowest = contact_of_least_M(histories, reference, end_time);

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/calibrate/accuracy.h"
 
+#include "common/algebra/rounding.h"
+#include "romrun/solve/reduced_solver.h"
+
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -28,12 +31,16 @@ static void explain(accuracy_choice *choice, const trade_table *table,
              in_time ? "trajectories" : "scenes", price.seconds * 1e3, in_time ? " a step" : "");
 }
 
+/* Rounds up to three digits, as many as %.3g prints. --accuracy must accept the printed value
+ * (test_trade.c, accuracy_names_what_it_can_give). */
+static double round_up(double value) {
+    const double unit = pow(10, floor(log10(value)) - 2);
+
+    return unit * ceil(value * (1 + ROUNDING) / unit);
+}
+
 ehd_status accuracy_choose(accuracy_choice *choice, const trade_table *table, double accuracy,
                            bool in_time, const char *name, ehd_error *error) {
-    // Factor for the smallest possible accuracy, which the message prints. The message rounds to
-    // three digits, and --accuracy must accept the printed value (test_trade.c,
-    // accuracy_names_what_it_can_give).
-    const double rounding = 1.006;
     size_t num_measured = in_time ? table->num_trajectories : table->num_scenes;
     size_t chosen = trade_cheapest(table, accuracy, in_time);
     size_t best = trade_most_accurate(table, in_time);
@@ -66,7 +73,7 @@ ehd_status accuracy_choose(accuracy_choice *choice, const trade_table *table, do
         return ehd_fail(error, EHD_DATA,
                         "--accuracy: found %g, expected at least %.3g, the best that %s was "
                         "measured to give (%s)",
-                        accuracy, rounding * trade_price_of(most_accurate, in_time).deviation, name,
+                        accuracy, round_up(trade_price_of(most_accurate, in_time).deviation), name,
                         sizes);
     choice->fastest = table->positions[chosen].sizes;
     explain(choice, table, &table->positions[chosen], accuracy, in_time);
@@ -74,13 +81,12 @@ ehd_status accuracy_choose(accuracy_choice *choice, const trade_table *table, do
 }
 
 double accuracy_tolerance(double accuracy) {
-    // Relative tolerance of the central film: a `part` of the accuracy, at least
-    // `full_convergence`. If `part` is 0.02, an iteration that ends early adds less than a fiftieth
-    // of the accuracy to the error (README.md, Calibration and the accuracy dial; test_trade.c,
-    // a_promise_is_kept_or_the_result_flagged).
-    const double full_convergence = 1e-8, part = 0.02;
+    // Relative tolerance of the central film, as a part of the accuracy. An iteration that ends
+    // early adds less than a fiftieth of the accuracy to the error (README.md, Calibration and the
+    // accuracy dial; test_trade.c, a_promise_is_kept_or_the_result_flagged).
+    const double part = 0.02;
 
-    return fmax(full_convergence, part * accuracy);
+    return fmax(reduced_default_settings().tolerance, part * accuracy);
 }
 
 double accuracy_limit(double accuracy) {

@@ -8,17 +8,17 @@
 
 // ---- the ladder
 
-/* Numbers of modes in the ladder, the list of sizes. MIN_MODES: smallest number. STRIDE: ratio of
- * successive numbers; two strides double the number. HALVED: number of strides that are halved;
- * these are the last strides, among the accurate sizes (README.md, Calibration and the accuracy
- * dial; test_trade.c, the_ladder_goes_from_ten_modes_to_all). */
-static const double MIN_MODES = 10, STRIDE = 1.4142;
-static const size_t HALVED = 2;
+/* Numbers of modes in the ladder, the list of sizes. MIN_MODES: smallest number. STRIDES_A_DOUBLING:
+ * number of strides in which the number of modes doubles. In the last doubling, among the accurate
+ * sizes, the strides are halved (README.md, Calibration and the accuracy dial; test_trade.c,
+ * the_ladder_goes_from_ten_modes_to_all). */
+static const double MIN_MODES = 10;
+static const size_t STRIDES_A_DOUBLING = 2;
 static const double ROWS_PER_MODE[] = {1.2, 1.5, 2, 3, INFINITY}; // INFINITY: all stored rows
 enum { NUM_ROWS_PER_MODE = sizeof ROWS_PER_MODE / sizeof *ROWS_PER_MODE };
 
 static size_t num_strides(size_t max_modes) {
-    double strides = round(log((double)max_modes / MIN_MODES) / log(STRIDE));
+    double strides = round((double)STRIDES_A_DOUBLING * log2((double)max_modes / MIN_MODES));
 
     return (double)max_modes <= MIN_MODES ? 0 : (size_t)fmax(strides, 1);
 }
@@ -45,7 +45,7 @@ ehd_status trade_ladder(trade_table *table, const online_properties *whole, ehd_
     for (size_t half = 0; half < 2 * strides; half++) {
         double part = 0.5 * (double)half / (double)strides;
         size_t modes = (size_t)lround(MIN_MODES * pow(max_modes / MIN_MODES, part));
-        if ((half % 2 == 1 && half / 2 + HALVED < strides) || modes == last) continue;
+        if ((half % 2 == 1 && half / 2 + STRIDES_A_DOUBLING < strides) || modes == last) continue;
         if (modes < whole->pressure_modes) add_positions(table, modes, whole);
         last = modes;
     }

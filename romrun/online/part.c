@@ -264,14 +264,6 @@ static const double MAX_RESIDUAL_OVER_CALIBRATION = 100;
  * (romrun/trust/README.md, Results that are rejected). */
 static const double MAX_ITERATIONS_OVER_CALIBRATION = 5;
 
-/* Largest accepted magnitude of a negative pressure, Hertz pressures. Of 1000 solutions with
- * trained lubricants, in 18 model sizes (14 modes or more) of three trainings, none has a pressure
- * below -3e-4. Of the line contacts with any lubricant that the whole model solves to 1 %, none has
- * a pressure below -4e-4. Solutions with pressures below -1e-3 have errors of the fields of 0.01 to
- * 4 Hertz pressures (scenes/studies/silent-failures; test_online.c,
- * the_library_says_what_it_solved). */
-static const double MOST_NEGATIVE = 1e-3;
-
 /* Marks a result as not converged if a pressure is impossible in a contact: too far below zero, or
  * above the limit of the viscosity law. */
 static void judge_pressure(online_result *result, const ehd_contact *contact,

@@ -409,9 +409,6 @@ static void move_rate_frame(reduced_march *self) {
 
 /* Returns why the model does not cover a state. Returns NULL if the model covers the state. */
 static const char *why_not_to_trust(reduced_march *self, const reduced_state *state) {
-    // Pressure below which the film ruptures, Hertz pressures. Truncation alone causes negative
-    // pressures of a tenth of this value (romrun/trust/README.md, Results that are rejected).
-    const double rupture = -1e-3;
     const reduced_model *model = self->model;
     ehd_contact contact;
 
@@ -421,7 +418,8 @@ static const char *why_not_to_trust(reduced_march *self, const reduced_state *st
     if (self->bdf.ring.num_previous > 1) rates = rates_of_step(self);
     if (reduced_doubts_flow(self->solver, state, &contact)) return flow_doubt_reason;
     for (size_t r = 0; r < model->rows.num_rows; r++)
-        if (self->estimate.pressure[r] < rupture && grid_x(&model->grid, model->rows.node[r]) < 0)
+        if (self->estimate.pressure[r] < -MOST_NEGATIVE &&
+            grid_x(&model->grid, model->rows.node[r]) < 0)
             return "a negative pressure before the contact";
     if (lacks_zone(self))
         return "a second zone of pressure behind the exit, which the model does not have";
@@ -463,6 +461,11 @@ static ehd_status solve_under_load(reduced_info *info, reduced_march *self,
     return solve(info, self, &contact, NULL, error);
 }
 
+/* Largest number of loads that a search for the load at a given approach tries
+ * (test_online_transient.c, the_approach_gives_the_load_back,
+ * a_start_from_an_approach_finds_its_load). */
+enum { MAX_LOADS = 30 };
+
 /* Finds the load at the given approach by fixed-point iteration: the load of each stationary
  * solution rescales the frame of the next one. The iteration may end in a cycle, because solutions
  * have a tolerance and exits are nodes. A frame of the cycle is accepted if its load error is below
@@ -471,14 +474,13 @@ static ehd_status solve_under_load(reduced_info *info, reduced_march *self,
  * load alternates between 64e-9 and -64e-9. */
 static ehd_status find_load(reduced_info *info, reduced_march *self, contact_frame *frame,
                             ehd_error *error) {
-    // Largest number of rescalings, and largest relative error of the load in a cycle
-    // (test_online_transient.c, the_approach_gives_the_load_back).
-    const size_t max_rescalings = 30;
+    // largest relative error of the load in a cycle (test_online_transient.c,
+    // the_approach_gives_the_load_back)
     const double most_in_cycle = 1e-6;
     double off = INFINITY, before;
     ehd_status status = EHD_OK;
 
-    for (size_t i = 0; i < max_rescalings; i++) {
+    for (size_t i = 0; i < MAX_LOADS; i++) {
         ehd_contact contact;
         frame_contact(&contact, frame, &self->reference);
         status = solve(info, self, &contact, NULL, error);
@@ -486,7 +488,7 @@ static ehd_status find_load(reduced_info *info, reduced_march *self, contact_fra
         before = off;
         off = fabs(info->scalars.load - 1);
         if (off < 1e-10 || (off < self->start_tolerance && off >= before) ||
-            (i + 1 == max_rescalings && off < most_in_cycle))
+            (i + 1 == MAX_LOADS && off < most_in_cycle))
             return EHD_OK;
         *frame =
             frame_of_load(self->reference.kind, frame, fmin(fmax(info->scalars.load, 0.8), 1.25));
@@ -502,14 +504,12 @@ static ehd_status find_load(reduced_info *info, reduced_march *self, contact_fra
 static ehd_status walk_to_approach(reduced_info *info, reduced_march *self, contact_frame *frame,
                                    ehd_error *error) {
     // `near`: error of the approach from which on find_load takes over, in central films.
-    // `max_loads`: largest number of loads that the secant method tries. `first_stride`,
-    // `longest_stride`: first and largest change of ln(load) from one load to the next
+    // `first_stride`, `longest_stride`: first and largest change of ln(load) from one load to the next
     // (test_online_transient.c, a_start_from_an_approach_finds_its_load).
-    const size_t max_loads = 30;
     const double near = 0.1, first_stride = 0.05, longest_stride = 0.2;
     double stride = 0, before = 0;
 
-    for (size_t i = 0; i < max_loads; i++) {
+    for (size_t i = 0; i < MAX_LOADS; i++) {
         const ehd_status status = solve_under_load(info, self, frame, error);
         if (status || info->status == EHD_NOT_CONVERGED) return status;
         const contact_scalars found = frame_to_reference(&info->scalars, frame, &self->reference);

@@ -391,9 +391,7 @@ void reduced_neighbour(reduced_state *state, const reduced_model *model, contact
  * rise. Returns infinity if the estimate of the nearest state is infinite. */
 static double effect_at(const reduced_states *states, const neighbour *nearest, size_t count,
                         int effect) {
-    // Smallest estimate, relative to a film. It replaces estimates of 0, which have no logarithm
-    // (test_guess.c, effects_are_powers).
-    const double rounding = 1e-12;
+    // an estimate of 0 has no logarithm; ROUNDING replaces it
     neighbour finite[NUM_NEIGHBOURS] = {0};
     double weights[NUM_NEIGHBOURS], log_size = 0;
     size_t num_finite = 0;
@@ -407,7 +405,7 @@ static double effect_at(const reduced_states *states, const neighbour *nearest, 
     count = best_weights(weights, finite, num_finite);
     for (size_t i = 0; i < count; i++)
         log_size +=
-            weights[i] * log(fmax(fabs(states->effects[finite[i].state].of[effect]), rounding));
+            weights[i] * log(fmax(fabs(states->effects[finite[i].state].of[effect]), ROUNDING));
     return exp(log_size);
 }
 
