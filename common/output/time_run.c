@@ -19,7 +19,8 @@
  * takes as long as a step. A reader that follows the run sees new steps five times a second
  * (transient.bats, "a run can be followed, killed and resumed"). */
 static const double CHECKPOINT_PAUSE = 1, WRITE_PAUSE = 0.2;
-enum { MAX_WAITING = 256 };
+
+enum { MAX_WAITING = 256 }; // entries that are written together
 
 /* Totals of the whole trajectory for the report, besides the counters of march_state. All members
  * are doubles, so that the struct can be saved as numbers. */

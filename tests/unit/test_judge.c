@@ -27,7 +27,8 @@ static void check_reason(ehd_status found, const char *expected) {
     assert_string_equal(reason, expected);
 }
 
-/* Checks a contact with a WLF oil, whose law is valid up to 11.5 GPa. */
+/* Checks the reasons for which full_judge rejects solutions of a contact with a WLF oil. The law of
+ * this oil is valid up to 11.5 GPa. */
 static void check_contact(const ehd_contact *contact) {
     const size_t centre = grid_central_line(&contact->grid) +
                           (size_t)lround(-contact->grid.x_min / contact->grid.step);

@@ -25,7 +25,8 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* A time step from the stationary solution of a trained contact, with a changed previous film. */
+/* A time step that starts from the stationary solution of a training contact. Its previous film
+ * differs slightly from the stationary film. */
 typedef struct time_step {
     size_t state;
     double rate;
@@ -38,8 +39,8 @@ static double previous_film(void *context, size_t node) {
     return self->previous[node - 1];
 }
 
-/* Solves the step with factors that were kept from a step whose length is 1/`shorter` of its own
- * length. If `shorter` is 0, no factors are kept. */
+/* Solves the step with the factors of a Jacobian that belongs to a time step shorter by the factor
+ * `shorter`. If `shorter` is 0, there are no such factors. */
 static reduced_info take_time_step(time_step *self, double shorter) {
     const ehd_contact *contact = &training.contacts[self->state];
     reduced_settings settings = reduced_default_settings();
@@ -74,9 +75,9 @@ static reduced_info take_time_step(time_step *self, double shorter) {
     return info;
 }
 
-/* Factors of the same step are as good as a new Jacobian. Factors of a step shorter by a sixth take
- * a few iterations more. Factors of a step a third as long would converge at a rate of 2/3, so the
- * solver does not use them. */
+/* Factors of a step of the same length are as good as a new Jacobian. With factors of a step that
+ * is shorter by a sixth, the solver needs a few more iterations. With factors of a step a third as
+ * long, the iteration would converge at a rate of 2/3, so the solver does not use them. */
 static void kept_factors_serve_steps_alike(void **state) {
     (void)state;
     for (size_t s = 0; s < TRAINED_STATES; s += 5)
@@ -116,10 +117,11 @@ static void slow_factors_are_replaced_near_the_solution(void **state) {
     assert_true(num_slow <= num_own + 1);
 }
 
-/* Far from the solution, the rows use a mobility that is linear in the pressure: a tangent to the
- * curve of the mobility. At first the tangent touches at the higher of the current and the last
- * pressure. Later, where the pressure has risen, the tangent touches at this pressure. Where the
- * pressure has fallen, the tangent touches where the mobility equals that of the linear rows. */
+/* Far from the solution, the rows of a time step use a mobility that is linear in the pressure: at
+ * each node, the tangent to the curve of the mobility at one pressure. In the first iterations this
+ * is the higher of the current pressure and the pressure after the last time step. Later, where the
+ * pressure has risen, it is the current pressure. Where the pressure has fallen, it is the pressure
+ * at which the mobility equals the mobility of the linear rows. */
 static void rows_are_linear_about_other_pressures(void **state) {
     const size_t s = 5;
     const scene exponential = sample_scene("barus", "incompressible", 20, 10);

@@ -23,7 +23,8 @@ static ehd_lubricant oil(const char *law, double alpha, double eta0, const char 
     return found;
 }
 
-/* A model whose states have lubricants at all PRESSURES, and the lubricants of its calibration. */
+/* A model, and the lubricants of its calibration. Each lubricant of the training has one training
+ * state at each of the PRESSURES. */
 typedef struct sample {
     reduced_model model;
     double alpha_p_H[4 * NUM];
@@ -143,7 +144,8 @@ static void calibrations_make_lubricants_known(void **state) {
     assert_string_not_equal(judge(&model, &barus, false), "");
 }
 
-/* A model of an older version or another program may lack the lubricants of its training. */
+/* A model of an older version or another program may not contain the lubricants of its training.
+ * Then no lubricant is known. */
 static void lubricants_that_are_not_told_are_not_known(void **state) {
     const ehd_lubricant own = oil("roelands", 1.6e-8, 0.06, "dowson-higginson");
     static const char untold[] =
@@ -158,7 +160,7 @@ static void lubricants_that_are_not_told_are_not_known(void **state) {
     assert_string_equal(judge(&model, &own, false), untold);
 }
 
-/* The last answer is stored and reused for the same lubricant only. */
+/* The memory stores the result of the last check, which is reused for the same lubricant only. */
 static void one_memory_serves_one_after_the_other(void **state) {
     const ehd_lubricant own = oil("roelands", 1.6e-8, 0.06, "dowson-higginson");
     const ehd_lubricant other = oil("roelands", 1.6e-8, 0.06, "incompressible");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Translation of return values of LAPACKE. */
+/* Conversion of return values of LAPACKE into a status and an error text. */
 #include "common/algebra/lapack.h"
 #include "tests/unit/check.h"
 
@@ -18,7 +18,8 @@ static void success_says_nothing(void **state) {
     check_close(matrix[0], 2, 1e-15, 0);
 }
 
-/* Tries a matrix that is not positive definite, a matrix with NaN, and an invalid argument. */
+/* A matrix that is not positive definite, a matrix with NaN, and an invalid argument are internal
+ * errors. */
 static void what_a_routine_refuses_is_internal(void **state) {
     double indefinite[] = {1, 0, 0, -1}, no_number[] = {NAN, 0, 0, 1};
     (void)state;

@@ -64,7 +64,8 @@ static void a_small_grid_is_solved_as_a_large_one(void **state) {
     team_free(settings.threads);
 }
 
-/* Solves a transient step on a large grid, with a previous film for each row. */
+/* The solution of a time step on a large grid satisfies the Reynolds equation, including the
+ * squeeze term, at each node with pressure. */
 static void large_grids_satisfy_the_problem_in_time(void **state) {
     (void)state;
     const ehd_contact contact = sample_point("barus", "dowson-higginson", 20, 10, 144, true);

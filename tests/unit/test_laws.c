@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// ---- two laws: eta = eta0 (1 + slope p), and rho = rho0 (1 + compressibility p)
+// ---- two laws: eta = eta0 (1 + slope p), and rho = rho0 (1 + share compressibility p)
 
 static ehd_status linear_prepare(ehd_lubricant *self, const law_value *values, ehd_error *error) {
     (void)error;
@@ -55,8 +55,8 @@ static const lubricant_law density_elastic = {
     .prepare = elastic_prepare,
     .evaluate = elastic};
 
-/* Two density laws, each with as many keys as a law may have. A table has no room for the last
- * keys. */
+/* Two density laws, each with as many keys as a law may have. The table of the density laws has no
+ * room for the last keys of the second law. */
 #define KEY(key)                                                                                   \
     { key, LAW_OPTIONAL, NULL, "0", 0, 1, "1", "One of many" }
 #define FIVE(key) KEY(key "1"), KEY(key "2"), KEY(key "3"), KEY(key "4"), KEY(key "5")
@@ -276,7 +276,7 @@ static void laws_agree_on_shared_keys(void **state) {
     assert_int_equal(laws_slot(viscosity_laws, "alpha"), 0);
     assert_int_equal(laws_slot(viscosity_laws, "eta0"), 1); // roelands shares alpha with barus
     assert_int_equal(laws_slot(viscosity_laws, "share"), MAX_LAW_KEYS);
-    // in stored scenes, a key of several laws is listed with the earliest of these laws
+    // stored scenes list a key of several laws with the law that comes first in the table
     static const char *const order[] = {
         "alpha",       "eta0", "reference_temperature", "temperature_coefficient", "preset",
         "temperature", "A1"};

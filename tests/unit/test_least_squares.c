@@ -83,8 +83,8 @@ static void solve(double *x, const double *matrix, const double *right, size_t n
     least_squares_free(workspace);
 }
 
-/* The allowed error follows from perturbation theory. It is proportional to the condition number,
- * and to its square if the residual is not small. */
+/* Compares solutions with LAPACK. The allowed error follows from perturbation theory. It is
+ * proportional to the condition number, and to its square if the residual is not small. */
 static void equals_lapack(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], expected[COLUMNS];
@@ -145,7 +145,8 @@ static void scales_columns(void **state) {
         check_close(x[j] * pow(10, 2 * (double)j - 10), expected[j], 1e-10, 1e-12);
 }
 
-/* The other columns are solved as if there were no zero columns, at any condition number. */
+/* The unknowns of zero columns are zero. The other unknowns minimise the residual as if there were
+ * no zero columns, at any condition number. */
 static void zero_columns_get_zero(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS];
@@ -172,7 +173,7 @@ static void zero_columns_get_zero(void **state) {
     }
 }
 
-/* If columns are equal to round-off, any minimiser is accepted. */
+/* If columns are equal up to round-off, any minimiser of the residual is accepted. */
 static void near_rank_deficiency_is_harmless(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], known[COLUMNS];
@@ -216,8 +217,8 @@ static void factors_of_a_neighbour_converge_to_the_solution(void **state) {
     least_squares_free(workspace);
 }
 
-/* With fewer rows than columns the solution would depend on the start of Newton's iteration.
- * Columns of zeros need no row. */
+/* Problems with fewer rows than columns are refused, because the solution would depend on the start
+ * of Newton's iteration. Columns of zeros do not count. */
 static void fewer_rows_than_columns_are_refused(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS];

@@ -138,9 +138,9 @@ static double fluidity(double pressure, void *lubricant) {
     return exp(-log_viscosity(lubricant, pressure));
 }
 
-/* Checks the oils of Table 1 at several temperatures, oils whose viscosity hardly depends on
- * pressure, and oils that solidify at low pressure, against GSL's adaptive integration. Our own
- * integration allocates no memory. */
+/* Compares the coefficient alpha with GSL's adaptive integration: for oil no1 of Table 1 at several
+ * temperatures, for oils whose viscosity hardly depends on pressure, and for oils that solidify at
+ * low pressure. The integration in lubricant_init allocates no memory. */
 static void alpha_is_the_integral_of_fluidity(void **state) {
     (void)state;
     static const struct {
@@ -177,7 +177,8 @@ static void set_number(lubricant_settings *settings, const char *key, double val
     settings->viscosity.values[laws_slot(viscosity_laws, key)].number = value;
 }
 
-/* Returns an oil with 0.04 Pa s, 2e-8/Pa and 0.03/K at 40 degC, at another temperature. */
+/* Returns an oil at a temperature. At 40 degC it has a viscosity of 0.04 Pa s, the pressure
+ * coefficient 2e-8/Pa and the temperature coefficient 0.03/K. */
 static ehd_lubricant oil_at(const char *law, double temperature) {
     lubricant_settings settings = sample_scene(law, "incompressible", 10, 5).lubricant;
     ehd_lubricant lubricant;
@@ -230,7 +231,8 @@ static void roelands_at_a_temperature(void **state) {
     check_close(oil_at("roelands", 40).temperature_coefficient, 0.03, 1e-14, 0);
 }
 
-/* Compares the coefficient with differences of eq. 40. */
+/* Compares the temperature coefficient with finite differences of ln eta0 (Maier et al. 2015, eq.
+ * 40). */
 static void wlf_has_a_temperature_coefficient(void **state) {
     const double step = 1e-3; // K
     double log_eta0[3];

@@ -33,10 +33,10 @@ typedef struct follower {
     double taken_up;        // error along the path that each step reports
     double longest_step;    // longer steps exceed the tolerance; 0: no limit
     double hardest_step;    // longer steps do not converge; 0: no limit
-    ehd_status breaks_with; // status of an error from attempt fails_at on
+    ehd_status breaks_with; // if set, attempts that fail return an error with this status
     // numbers of calls
     size_t num_attempts, num_accepted, num_restarts;
-    double least_step; // shortest of all attempts
+    double least_step; // shortest step that was tried
     double restart_time[8];
 } follower;
 
@@ -99,7 +99,8 @@ static void restart(void *solver) {
     bdf_ring_restart(&self->ring);
 }
 
-/* Starts. With a given approach a test can set a resulting load other than the expected one. */
+/* The start function of the solver. If the approach is given, a test can set the resulting load,
+ * which then differs from the expected load. */
 static ehd_status start(march_step *outcome, void *solver, const contact_frame *frame,
                         ehd_error *error) {
     follower *self = solver;
@@ -205,7 +206,7 @@ static double last_of(const run *self, const double *values) {
     return values[self->count - 1];
 }
 
-/* Runs the decay from 1 without a load. */
+/* Runs without a load, so that the film decays from 1: y = exp(-T). */
 static void run_decay(run *self, const char *transient) {
     run_begin(self, transient);
     self->follower.by_history = false;
@@ -234,7 +235,7 @@ static void fixed_steps_are_of_second_order(void **state) {
         error[i] = fabs(last_of(&first, first.value) - exp(-2));
         assert_int_equal(first.count, 1 + 100 * (1 << i));
         assert_int_equal(first.follower.num_attempts, 100 * (1 << i));
-        for (size_t k = 0; k < first.count; k++) // exact multiples
+        for (size_t k = 0; k < first.count; k++) // times are exact multiples
             check_close(first.time[k], (double)k * first.march.settings.fixed_step, 1e-15, 0);
         run_end(&first);
     }
@@ -286,7 +287,8 @@ static void accepted_steps_keep_the_tolerance(void **state) {
     }
 }
 
-/* The last step is about as long as the step before; it is not a small remainder. */
+/* The last step is not a small remainder: it is at least about half as long as the step before
+ * it. */
 static void last_step_is_no_sliver(void **state) {
     (void)state;
     for (int i = 0; i < 20; i++) {
@@ -366,7 +368,8 @@ static void kinks_are_hit_exactly(void **state) {
     }
 }
 
-/* After a kink between two multiples of the fixed step, times are multiples of the step again. */
+/* After a kink that lies between two multiples of the fixed step, the march returns to the
+ * multiples. */
 static void fixed_steps_fall_back_on_multiples(void **state) {
     (void)state;
     run_begin(&first, "end_time: 1, fixed_step: 0.08, "
@@ -394,8 +397,8 @@ static void run_late(run *self, double step, double steps_before, double end_tim
     assert_int_equal(run_on(self), EHD_OK);
 }
 
-/* Times stay multiples of the step after many steps, also if a double cannot represent the step
- * exactly. */
+/* Points in time stay multiples of the fixed step after many steps, also if a double cannot
+ * represent the step exactly. */
 static void fixed_steps_go_on_late_in_time(void **state) {
     static const struct {
         double step, steps_before;
@@ -414,7 +417,7 @@ static void fixed_steps_go_on_late_in_time(void **state) {
     }
 }
 
-/* A kink after many steps adds one step. */
+/* A kink after many fixed steps adds one step. */
 static void fixed_steps_fall_back_late_in_time(void **state) {
     (void)state;
     run_late(&first, 0.005, 26214404, 26214604 * 0.005,
@@ -426,8 +429,9 @@ static void fixed_steps_fall_back_late_in_time(void **state) {
     run_end(&first);
 }
 
-/* Because of round-off 3 * 0.3 and 0.7 + 0.2 are less than 0.9. If such a time is next to the end
- * or to a multiple of the step, the march must make no additional step from one to the other. */
+/* If two points in time differ only by round-off, the march must make no step from one to the
+ * other. Because of round-off 3 * 0.3 and 0.7 + 0.2 are less than 0.9, which is the end or a
+ * multiple of the step. */
 static void times_that_differ_by_rounding_are_one(void **state) {
     static const char *const transients[] = {
         "end_time: 0.9, fixed_step: 0.3",
@@ -445,8 +449,8 @@ static void times_that_differ_by_rounding_are_one(void **state) {
     }
 }
 
-/* Runs with transport along the path and a linear table. The times of the table are k/30, written
- * with `digits` digits. */
+/* Runs with transport along the path and a linear table of the load at the times k/30, written with
+ * `digits` digits. Checks that the rounding of these times causes no additional steps. */
 static void run_thirtieths(int digits) {
     static const ehd_contact line = {.kind = &contact_line,
                                      .approach_length = 1,
@@ -505,11 +509,11 @@ static void many_kinks_are_no_standstill(void **state) {
     leave_folder(state);
 }
 
-/* Kinks, multiples of the step and the end count as one time if they are closer than a thousandth
- * of the step. */
+/* Kinks, multiples of the step and the end count as one point in time if they are closer together
+ * than a thousandth of the step. */
 static void times_closer_than_a_thousandth_of_the_step_are_one(void **state) {
     static const struct {
-        double start, other; // start of the ramp of the load, and of the speed
+        double start, other; // starts of the ramps of load and speed
         size_t num_steps;
     } cases[] = {{0.30009, 0.30009, 10},   {0.29991, 0.30009, 10},     {0.30011, 9, 11},
                  {0.29989, 9, 11},         {0.35, 0.35004, 11},        {0.35, 0.3502, 12},
@@ -545,8 +549,9 @@ static void times_closer_than_a_thousandth_of_the_step_are_one(void **state) {
     }
 }
 
-/* Two jumps just before and after a multiple of the step count as one jump, which follows the
- * multiple. A jump that lies just before the end, as by round-off, is left out. */
+/* Two jumps, one just before and one just after a multiple of the step, count as one jump that
+ * follows the multiple. A jump just before the end, where round-off may have put it, has no
+ * effect. */
 static void jumps_beside_multiples_are_one(void **state) {
     (void)state;
     run_begin(&first, "end_time: 1, fixed_step: 0.1, load: {law: step, to: 1.5, at: 0.299999999}, "
@@ -569,7 +574,8 @@ static void jumps_beside_multiples_are_one(void **state) {
     run_end(&first);
 }
 
-/* After a jump the previous states are dropped, and the first step is short again. */
+/* After a jump the solver drops its previous states, and the next step is as short as the first
+ * step of the run. */
 static void jump_restarts(void **state) {
     (void)state;
     run_begin(&first, "end_time: 20, tolerance: 1e-3, load: {law: step, to: 1.5, at: 10}");
@@ -710,7 +716,8 @@ static void steps_stand_above_noise(void **state) {
 }
 
 /* With transport along the path, the shortest step is a quarter of the grid step. If the error is
- * too large, the march goes on with this step. It does not try a longer step each time. */
+ * too large, the march continues with steps of this length. It does not try a longer step before
+ * each of them. */
 static void steps_along_the_path_stay_at_the_shortest(void **state) {
     (void)state;
     static const ehd_contact line = {.kind = &contact_line,
@@ -729,9 +736,9 @@ static void steps_along_the_path_stay_at_the_shortest(void **state) {
 }
 
 /* If the errors along the path exceed eight tolerances, steps become shorter. If these errors reach
- * 32 tolerances, the error of each step counts four times. The error of a step is of third order in
- * the step, so the number of steps is 4^(1/3) times as large. With upwind transport the errors
- * along the path do not count. */
+ * 32 tolerances, the local error of each step is multiplied by four. The local error is of third
+ * order in the step, so the number of steps is 4^(1/3) times as large. With upwind transport the
+ * errors along the path have no effect. */
 static void what_films_have_taken_up_shortens_steps(void **state) {
     (void)state;
     static const double tolerances[] = {0, 7.9, 32, 32};
@@ -753,7 +760,7 @@ static void what_films_have_taken_up_shortens_steps(void **state) {
     }
     check_close(num_steps[1], num_steps[0], 0, 0);
     check_close(num_steps[2] / num_steps[0], pow(4, 1. / 3), 0.05, 0);
-    // with upwind transport the lengths of steps follow from an error of another order
+    // with upwind transport the lengths of steps follow from an error of a different order
     check_close(num_steps[3], num_steps[0], 0.15, 0);
 }
 
@@ -778,7 +785,7 @@ static void the_step_after_a_jump_along_the_path_is_short(void **state) {
     run_end(&first);
 }
 
-/* Steps are accepted, but are too short to reach the end. */
+/* A march whose accepted steps are too short to reach the end is stopped. */
 static void crawling_ends(void **state) {
     (void)state;
     run_begin(&first, "end_time: 1, tolerance: 1e-3");
@@ -837,7 +844,7 @@ static void first_untrusted_step_is_kept(void **state) {
 
 // ---- continuing
 
-/* A march that is stopped anywhere and continued from its saved struct gives the same bits. */
+/* A march that is stopped anywhere and continued from its saved march_state gives the same bits. */
 static void march_goes_on_from_its_state(void **state) {
     static const char transient[] =
         "end_time: 3, tolerance: 1e-4, load: {law: sine, amplitude: 0.2, "
@@ -917,7 +924,8 @@ static void forecast_of_the_load_is_bounded(void **state) {
     check_close(load_forecast_scale(&of, 1e-12, &grid), 2.9, 1e-10, 0);
 }
 
-/* A step is untrusted if the error estimate of either film exceeds the accuracy. */
+/* A step is untrusted if the error estimate of the central or of the minimum film exceeds the
+ * accuracy. */
 static void indicated_deviations_are_held_against_the_accuracy(void **state) {
     (void)state;
     const double accuracy[] = {1, 0.0035, 0};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The minimum of a film between nodes. It is exact if the film is of degree four along a line and
- * across the lines. */
+/* The minimum of a film, interpolated between nodes. It is exact if the film is a polynomial of
+ * degree four along a line and across the lines. */
 #include "common/physics/minimum.h"
 #include "tests/unit/check.h"
 
@@ -58,7 +58,8 @@ static void exact_for_quartics(void **state) {
     }
 }
 
-/* From line to line the valley moves by several nodes, as in the horseshoe of a point contact. */
+/* The minimum is exact even if the valley moves by several nodes from line to line, as in the
+ * horseshoe of a point contact. */
 static void along_a_slanting_valley(void **state) {
     (void)state;
     for (double slant = -4; slant <= 4; slant += 0.5) {

@@ -93,7 +93,8 @@ static int compare_nodes(const void *a, const void *b) {
     return p < q ? -1 : p > q;
 }
 
-/* Builds a model with the same rows, sorted by their nodes like the rows of a model from a file. */
+/* Builds the model that build_model builds, but with its rows sorted by node, like the rows of a
+ * model from a file. */
 static void build_in_order(reduced_model *model, const reduced_basis *basis, size_t num_rows) {
     size_t ordered[NUM_ROWS];
 
@@ -219,7 +220,8 @@ static void a_basis_comes_back(void **state) {
         assert_int_equal(found.deformation, basis->deformation);
         assert_int_equal(found.num_pressure, basis->num_pressure);
         assert_int_equal(found.num_deformation, basis->num_deformation);
-        // the file has inner nodes; at the boundary the pressure is zero and there are no rows
+        // the file contains only the inner nodes; at the boundary the pressure is zero and there
+        // are no rows
         size_t first = basis->num_pressure, count = (num_nodes - 2) * first;
         check_close_array(found.pressure + first, basis->pressure + first, count, 0, 0);
         check_close_array(found.pressure, (double[9]){0}, first, 0, 0);

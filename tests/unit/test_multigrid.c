@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Multigrid cycles on a matrix like the matrix of a contact. In the front part of the grid the
- * matrix contains pressure flow in both directions. In the rear part it contains entrainment along
- * the lines, and some nodes have no pressure. */
+/* Multigrid cycles on a matrix like the matrix of a contact. In the upstream part of the grid the
+ * matrix contains pressure flow in both directions. In the downstream part it contains entrainment
+ * along the lines, and some nodes have no pressure. */
 #include "fullrun/multigrid.h"
 
 #include "common/physics/ellipse.h"

@@ -104,7 +104,8 @@ static void simple_ones_are_known(void **state) {
     check_close_array(x, ((const double[]){1.5, 0}), 2, 1e-15, 0);
 }
 
-/* A column may equal another column, be a sum of other columns, or be zero. */
+/* Solutions are also optimal if a column equals another column, is a sum of other columns, or is
+ * zero. */
 static void columns_may_depend_on_each_other(void **state) {
     enum { NUM = 40 };
     double matrix[ROWS * NUM], right[ROWS], x[NUM];

@@ -13,8 +13,8 @@
 
 static const double distance = 1e-5;
 
-/* Returns the derivative of the sum with respect to coordinate j, by a finite difference. With the
- * law of this contact there is no stress behind the last node with pressure. */
+/* Returns the derivative of the sum with respect to coordinate j, by a finite difference. The shear
+ * stress of this contact is zero where the pressure is zero, so no exit position is needed. */
 static double difference(node_state *nodes, double *z, size_t j, const ehd_contact *contact) {
     const contact_scalars scalars = {.load = 1, .exit_position = NAN};
     double sums[2];
@@ -44,7 +44,7 @@ static void check_model(const reduced_model *model, const reduced_basis *basis) 
         ehd_contact contact = sample_contact("barus", "incompressible", 12, 4, basis->grid.step);
         contact.radius = contact.half_width = contact.slide_roll = 1;
         contact.lubricant.shear = laws_find(shear_laws, "limiting");
-        contact.lubricant.shear_constants[0] = contact.lambda; // between the law's two limits
+        contact.lubricant.shear_constants[0] = contact.lambda; // between Newtonian and limiting
         const size_t exit = basis->states.exit[s] - s % 4;
         double largest = 0;
         memcpy(z, basis->states.coordinates + s * n, n * sizeof *z);

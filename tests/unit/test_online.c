@@ -256,7 +256,8 @@ static void the_process_keeps_what_it_has_set(void **state) {
     assert_ptr_equal(gsl_set_error_handler(before), handler_of_host);
 }
 
-/* Also checks that two threads at the same time give the same bits as one thread. */
+/* HDF5, FFTW and GSL may end the process, so calls with a loaded model must not use them. Also
+ * checks that two threads at the same time give the same bits as one thread. */
 static void a_loaded_model_calls_no_library_that_may_end_the_process(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {

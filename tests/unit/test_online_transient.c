@@ -18,7 +18,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A contact whose load varies by 10 %. The step is a power of two, so that all times are exact. */
+/* A contact whose load varies by 10 %. The step is a power of two, so that all points in time are
+ * exact. */
 static const char scene_of_training[] =
     "contact: line\nregime: transient\nmoes: {M: 12, L: 4}\n"
     "lubricant: {viscosity: {law: barus, alpha: 2e-8}, density: {law: dowson-higginson}}\n"
@@ -294,7 +295,7 @@ static void a_constant_contact_stays(void **unused) {
 
 static void a_step_can_be_repeated(void **unused) {
     (void)unused;
-    const size_t before = 10, count = 20; // after 10 steps the model has kept factors
+    const size_t before = 10, count = 20; // after 10 steps a Jacobian of an earlier step is in use
     for_both_models {
         online_transient *straight = create(models[m]), *repeating = create(models[m]);
         online_state expected[20], first, again;
@@ -350,8 +351,8 @@ static online_state any_step(any_steps *self, double time, double step) {
 }
 
 /* Makes small equal steps from the saved state, and then restores the saved state. *state is the
- * result of the last small step. Returns false if a step does not converge. Of 300,000 steps of
- * 1e-9 one step did not converge. */
+ * result of the last small step. Returns false if a step does not converge, as one of 300,000 steps
+ * of length 1e-9 did. */
 static bool goes_in_small_steps(any_steps *self, online_state *state, double step, size_t parts) {
     const double part = step / (double)parts;
     bool converged = true;
@@ -423,8 +424,8 @@ static void take_any_step(any_steps *self, uint64_t *seed, double tolerance) {
     }
 }
 
-/* Makes steps of random lengths; some steps are rejected and repeated from saved states. The
- * environment variable ANY_STEPS sets the number of steps. */
+/* Steps of random lengths have nearly the same results as several small steps. Some steps are
+ * rejected and repeated. The environment variable ANY_STEPS sets the number of steps. */
 static void steps_may_have_any_lengths(void **unused) {
     (void)unused;
     const char *asked = getenv("ANY_STEPS");
@@ -455,8 +456,8 @@ static void steps_may_have_any_lengths(void **unused) {
  * with and without this short step. */
 static void a_short_step_leaves_the_next_one_as_it_is(void **unused) {
     (void)unused;
-    // just after the start a short step does not make a passing state (bdf.h), and least squares
-    // leave a larger error
+    // right after the start the state after a very short step is not skipped (bdf_ring_accept), and
+    // the least squares leave a larger error
     const double near = is_path() ? 1e-4 : 1e-6;
     for_both_models {
         online_state states[10];
@@ -496,7 +497,8 @@ static online_state at_approach(online_transient *contact, double approach, doub
     return state;
 }
 
-/* The bodies start apart, touch and part again. Saved states contain whether bodies are apart. */
+/* The bodies start apart, touch and part again, four times. A repeated step gives the same result,
+ * also from a saved state in another object. */
 static void a_contact_is_lost_and_regained(void **unused) {
     (void)unused;
     const double step = 0.02, stroke = 1, middle = -0.6;
@@ -539,9 +541,10 @@ static void a_contact_is_lost_and_regained(void **unused) {
     }
 }
 
-/* Bodies that are apart reach a given approach in one step, and the result has the load of this
- * approach. Inside the step a start begins with the lightest contact, which may be untrusted. At
- * rest the load is the same, but untrusted. */
+/* If bodies that are apart reach a given approach in one step, the result has the load that belongs
+ * to this approach. In this step the solver first solves the lightest contact of the training,
+ * which may itself be untrusted. At the speed zero the load is the same, but the result is
+ * untrusted. */
 static void bodies_touch_at_the_approach_that_is_given(void **unused) {
     (void)unused;
     for_both_models {
@@ -597,7 +600,8 @@ static void without_a_load_there_is_no_contact(void **unused) {
 }
 
 /* A mass that falls on the contact and is thrown back. It is about as large as the mass in
- * scenes/examples/oscillator. Units: T for time, H0 for lengths, the contact's unit for forces. */
+ * scenes/examples/oscillator. Units: the unit of T for times, the unit of H0 for lengths, and the
+ * reference load for forces. */
 typedef struct bouncing {
     online_transient *contact;
     double position, velocity, force;
@@ -662,7 +666,7 @@ static void a_bouncing_mass_gets_the_impulse_of_the_force(void **unused) {
     for (size_t i = 0; i < count; i++) {
         double impulse = 0, sum = 0;
         self.position =
-            0.05 + 0.15 * random_next(&seed); // nearer bodies could touch under a light load
+            0.05 + 0.15 * random_next(&seed); // closer bodies could touch under a light load
         self.velocity = self.force = 0;
         check_close(at_approach(self.contact, self.position, 0).scalars.load, 0, 0, 0);
         for (bool was = false; self.force > 0 || !was; was = was || self.force > 0) {
@@ -789,9 +793,9 @@ static void derivatives_leave_the_contact_as_it_is(void **unused) {
     }
 }
 
-/* Under a small and slow oscillation sin wT of the load, the approach oscillates by A sin wT + w B
- * cos wT. At the maximum of the load this is A. When the load passes its mean, rising or falling,
- * it is +w B or -w B. BDF2 has an error of 0.2 %. */
+/* Checks stiffness and damping. Under a small and slow oscillation sin wT of the load, the approach
+ * oscillates by A sin wT + w B cos wT. At the maximum of the load this is A. When the load passes
+ * its mean, rising or falling, it is +w B or -w B. BDF2 has an error of 0.2 %. */
 static void the_stationary_response_is_that_to_a_slow_swing(void **unused) {
     (void)unused;
     enum { A_QUARTER = 20, NUM = 8 * A_QUARTER };
@@ -818,7 +822,8 @@ static void the_stationary_response_is_that_to_a_slow_swing(void **unused) {
             (approach[8 * A_QUARTER] - approach[6 * A_QUARTER]) / (2 * swing * frequency);
         check_close(response.stiffness, -1 / A, 1e-3, 0);
         check_close(response.damping, B / (A * A), 5e-3, 0);
-        // the bound is small because the model was trained on transient runs
+        // the bound of the error of the damping is small because the model was trained on transient
+        // runs
         assert_true(response.damping_bound < 1e-3 * response.damping);
         online_transient_free(contact);
     }
@@ -931,8 +936,8 @@ static void a_saved_state_goes_on_to_the_bit(void **unused) {
     }
 }
 
-/* A state can be saved after each of the first steps, when kept factors are renewed, and after
- * steps shorter than the grid step. */
+/* A state can be saved and restored after each of the first steps, when the solver renews its kept
+ * factors of the Jacobian, and after steps shorter than the grid step. */
 static void any_state_can_be_saved(void **unused) {
     (void)unused;
     for_both_models {
@@ -1096,7 +1101,7 @@ static void march_run_takes_the_same_steps(void **unused) {
                         0);
             check_close(state.scalars.rigid_approach, expected.rigid_approach, 0, 0);
             check_close(state.scalars.load, expected.load, 0, 0);
-            if (!is_path()) // along the path the march multiplies this error
+            if (!is_path()) // with transport along the path the march may enlarge this error
                 check_close(state.local_error, step->local_error, 0, 0);
             assert_int_equal(state.iterations, step->iterations);
         }
@@ -1107,8 +1112,8 @@ static void march_run_takes_the_same_steps(void **unused) {
 
 // ---- approach and force
 
-/* Makes steps with the approaches of a run under a given load. These steps must give the same load
- * as that run. `known`: the load is also given, for the frames. */
+/* Makes steps with given approaches, which are the results of a run under a given load. The loads
+ * must be the loads of that run. `known`: the load is also given, to scale the frames. */
 static void follow_approach(const online_state *by_load, online_transient *contact, bool known,
                             double tolerance) {
     const size_t before = known ? 0 : 10; // steps after which the load's rate is known
@@ -1131,8 +1136,9 @@ static void follow_approach(const online_state *by_load, online_transient *conta
     }
 }
 
-/* If no load is given with the approach, the contact predicts a load for its frames. On this coarse
- * grid the result then differs a little more. */
+/* Checks that the approaches of a run give its loads back. If no load is given with the approach,
+ * the contact scales its frames by a predicted load. On this coarse grid the result then differs a
+ * little more. */
 static void the_approach_gives_the_load_back(void **unused) {
     (void)unused;
     for_both_models {
@@ -1161,8 +1167,8 @@ static void a_start_from_an_approach_finds_its_load(void **unused) {
             conditions.approach = by_load.scalars.rigid_approach;
             check_ok(online_transient_start(&by_approach, contact, &conditions, &error));
             assert_int_not_equal(by_approach.status, EHD_NOT_CONVERGED);
-            // the least squares of the two starts have different closures, so their errors differ,
-            // and they differ more outside of the training
+            // the least-squares problems of the two starts have different closures, so their errors
+            // differ, and they differ more outside of the training
             const double near = fabs(load - 1) < 0.1 ? 1e-6 : load > 0.8 && load < 1.6 ? 1e-4 : 0.1;
             check_close(by_approach.scalars.load, load, near, 0);
             check_close(by_approach.half_width, sqrt(load), near, 0);
@@ -1267,8 +1273,9 @@ static void what_was_not_trained_is_not_trusted(void **unused) {
     }
 }
 
-/* Changes the load by `rate` for a short time. In each step the fluid moves far less than a grid
- * step. The second contact gets the approaches of the first contact. Returns the last results. */
+/* Changes the load at the rate `rate` for a short time. In each step the fluid moves far less than
+ * a grid step. The second contact gets the approaches that result for the first contact. Returns
+ * the results of the last steps. */
 static void change_load(online_state last[2], online_transient *const contacts[2], double rate) {
     const double step = 1e-4;
 

@@ -165,16 +165,17 @@ static void parts_of_one_model_are_that_model(void **state) {
     }
 }
 
-/* The two runs start from different trained states, so exits on outer lines sometimes differ by one
- * node (1/8). After 64 steps the central film differs by 9e-4. The minimum film lies at these exits
- * and differs by up to 1 %. */
+/* The runs with two parts and with one part start from different trained states, so exits on outer
+ * lines sometimes differ by one grid step, 1/8. After 64 time steps the central film differs by
+ * 9e-4. The minimum film lies at these exits and differs by up to 1 %. */
 static void of_a_point_contact(void **state) {
     (void)state;
     check_parts(&trained_on.point, DEFORMATION_COUPLED, trained_on.point_basis.weight, true, 2e-3,
                 2e-2);
 }
 
-/* An attempt that is not accepted, even by another part, does not change the following steps. */
+/* An attempt that is not accepted does not change the following steps, not even if another part
+ * made this attempt. */
 static void attempts_that_are_not_accepted(void **state) {
     (void)state;
     run *plain = malloc(sizeof *plain), *tried = malloc(sizeof *tried);

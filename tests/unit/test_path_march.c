@@ -13,7 +13,7 @@ enum { STATE = 6 }; // training state with which a march starts
 
 static const double STEP = 0.02;
 
-/* A training and its bases. A point contact has half of a grid. */
+/* A training and its bases. The grid of a point contact covers one half of the domain. */
 typedef struct problem {
     trained training;
     reduced_basis basis, nodes; // `nodes` has one mode for every node
@@ -197,8 +197,8 @@ static void march_as_the_full_model(const problem *of, bool compressible, double
         check_close(self.last.scalars.central_film_thickness, film, central, 0);
         check_close(self.last.scalars.minimum_film_thickness, step.scalars.minimum_film_thickness,
                     minimum, 0);
-        // near the exit the reduced model leaves out four more nodes, which matters on this coarse
-        // grid
+        // the local error of the reduced model leaves out four more nodes near the exit, which
+        // matters on this coarse grid
         assert_true(self.last.local_error <= 1.1 * step.local_error);
         assert_true(self.last.local_error >= 0.2 * step.local_error);
         // the estimate is almost zero, because the residuals of all rows are zero
@@ -212,7 +212,8 @@ static void march_as_the_full_model(const problem *of, bool compressible, double
         most = fmax(most, film);
     }
     assert_true(most > 1.04 * least);
-    // the effects differ, because the two models interpolate them by splines at different places
+    // the estimated effects of the time steps differ, because the two models interpolate them by
+    // splines at different places
     assert_true(effects > 0 && sqrt(off / effects) < (of == &problems[OPEN_POINT] ? 0.5 : 0.25));
     full_march_free(full);
     marching_free(&self);
@@ -226,9 +227,9 @@ static void full_rank_marches_as_the_full_model(void **state) {
     }
 }
 
-/* Point contacts agree as well as with upwind transport. The two models have different splines at
- * the ends of the grid. Only ten steps are compared: from the fifteenth step on exits move
- * outwards, and the exits of the reduced model lag by a node. */
+/* In point contacts the two models agree with the same accuracy as with upwind transport. They
+ * differ because their splines differ at the ends of the grid. Only ten steps are compared: from
+ * the fifteenth step on exits move outwards, and the exits of the reduced model lag by a node. */
 static void so_does_a_point(void **state) {
     (void)state;
     for (int others = 0; others < (check_all() ? 2 : 1); others++) {

@@ -47,7 +47,7 @@ static void check_orthonormal(const pod_basis *basis, double tolerance) {
         }
 }
 
-/* Returns the sum over all snapshots of the squared distance to the basis. */
+/* Returns the sum of the squared distances of all snapshots from the span of the modes. */
 static double projection_error(const pod_basis *basis, const double *snapshots, size_t num_states) {
     const size_t num_nodes = basis->num_nodes;
     double sum = 0.0;
@@ -289,9 +289,9 @@ static void refuses_bad_input(void **state) {
     check_refused((double[]){1, 2, INFINITY, 1}, 2, 2, one, "snapshot 1 at node 0");
 }
 
-/* Computes how far each snapshot lies from the span of the other snapshots. The first two snapshots
- * have nearly the same direction, (1, 0, 0, 0) and 1e-3 beside it. The third snapshot is orthogonal
- * to both. */
+/* Checks the distance of each snapshot from the span of the other snapshots, relative to the norm
+ * of the snapshot. The first two snapshots, (1, 0, 0, 0) and (1, 1e-3, 0, 0), have nearly the same
+ * direction. The third snapshot is orthogonal to both. */
 static void tells_what_the_others_leave_out(void **state) {
     const double snapshots[] = {1, 0, 0, 0, 1, 1e-3, 0, 0, 0, 0, 3, 4};
     const pod_settings settings = {.num_modes = 3};

@@ -435,7 +435,7 @@ static void merging_inherits_losses(void **state) {
 
 static void exact_rank_is_found(void **state) {
     (void)state;
-    // 400 times the snapshots (0,0,3,4,0), with norm 5, (1,2,0,0,2), with norm 3, and zero
+    // 400 copies each of (0,0,3,4,0), with norm 5, of (1,2,0,0,2), with norm 3, and of zero
     double *snapshots = numbers(1200 * 5);
     for (size_t s = 0; s < 800; s++)
         memcpy(snapshots + 5 * (s + s / 2),
@@ -486,7 +486,8 @@ static size_t most_bytes(const double *snapshots, size_t block, size_t num_nodes
     return most;
 }
 
-/* A stream holds only one block, the directions and the triangular factor. */
+/* The memory of a stream does not grow: it holds only one block, the directions and the triangular
+ * factor. */
 static void memory_does_not_grow(void **state) {
     (void)state;
     enum { BLOCK = 32, NUM_NODES = 500, RANK = 10 };

@@ -32,8 +32,8 @@ static void corners_of_a_grid_are_its_four(void **state) {
         assert_true(contains(corners, 4, (size_t[]){0, 4, 20, 24}[i]));
 }
 
-/* All points on a circle are corners. With a tolerance, a few corners are enough, because other
- * points may then lie a little outside of their hull. */
+/* All points on a circle are corners. With a larger tolerance a few corners are enough, because the
+ * other points may then lie a little outside of the hull of these corners. */
 static void corners_of_a_circle_follow_the_tolerance(void **state) {
     enum { COUNT = 360 };
     double places[COUNT][RANGE_AXES] = {{0}};
@@ -55,8 +55,9 @@ static void corners_of_a_circle_follow_the_tolerance(void **state) {
         point_choice_corners(corners, (const double(*)[RANGE_AXES])places, COUNT, 0.025), 16);
 }
 
-/* Tests a skewed grid of 3 by 3 by 3 places and one more corner. The last coordinate depends on the
- * others. */
+/* Finds the corners of 28 places: a skewed grid of 3 by 3 by 3 places, and one place outside of
+ * this grid. The corners are the eight corners of the grid and the place outside. The fourth
+ * coordinate is a multiple of the third. */
 static void corners_of_a_body_span_it(void **state) {
     double places[28][RANGE_AXES];
     size_t corners[28], call = 0, count;
@@ -130,8 +131,9 @@ static void the_worst_come_first_and_apart(void **state) {
     const candidates from = make_line(indicated, 0);
     (void)state;
 
-    // Candidate 4 is the worst, at a distance of 4 from the taken 0. Then 9 is chosen, at 2 from
-    // the taken 11. Then 2 is chosen, at 2 from 0 and 4.
+    // Candidate 4 is the worst, at a distance of 4 from the taken candidate 0. Next comes 9, at a
+    // distance of 2 from the taken candidate 11. Next comes 2, at a distance of 2 from 0 and from
+    // 4.
     check_choice(&from, 3, (size_t[]){4, 9, 2}, 3);
 }
 
@@ -140,8 +142,9 @@ static void what_is_good_enough_or_taken_is_left(void **state) {
     const candidates from = make_line(indicated, 2.5);
     (void)state;
 
-    // All candidates whose estimate exceeds 2.5 are chosen. Candidate 3 comes before 5, because 3
-    // is nearer to a taken candidate (point_choice_worst).
+    // All candidates whose estimate exceeds 2.5 are chosen. Candidate 3 comes before 5: it is
+    // nearer to a taken candidate, and may therefore be nearer to the chosen candidate 4
+    // (point_choice_worst).
     check_choice(&from, NUM_LINE, (size_t[]){4, 9, 3, 5}, 4);
     const candidates none = make_line(indicated, 9);
     check_choice(&none, NUM_LINE, NULL, 0);

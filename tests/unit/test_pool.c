@@ -163,7 +163,8 @@ static ehd_status do_nothing(void *shared, void *worker, size_t point, size_t pa
     return EHD_OK;
 }
 
-/* Solves points without parents, with no given order, and without data for each thread. */
+/* Points without parents, without a given order and without data for each thread are finished once
+ * each. */
 static void test_a_plain_list(void **state) {
     int finished[NUM_POINTS] = {0};
     const pool_work work = {.num_points = NUM_POINTS,

@@ -70,8 +70,10 @@ static double density_at(const ehd_contact *contact, double pressure, double her
     return lubricant_density(&contact->lubricant, pressure * hertz);
 }
 
-/* Returns the largest error of the carried mass. The exact mass is the mass at the previous place
- * of the fluid, at the distance `path` upstream. Places outside of the grid are left out. */
+/* Returns the largest error of the mass rho H that is carried from a previous state into the
+ * current frame. `i` and `j` are the cases of the two frames. The exact mass is the mass at the
+ * previous place of the fluid, at the distance `path` upstream. Places outside of the grid are left
+ * out. */
 static double carry_error(const ehd_contact *reference, size_t i, size_t j, double path) {
     const double *then_factor = factors[i], *now_factor = factors[j];
     const contact_frame then = frame_of_case(reference->kind, i);
@@ -327,7 +329,8 @@ static void set_wanted(carried *self, double time) {
     }
 }
 
-/* Computes the weighted sum of the previous masses in the formula, in the frame `now`. */
+/* Computes the sum of the masses rho H of the previous states, with the weights of the formula, in
+ * the frame `now`. */
 static void add_previous(double *sum, carried *self, const bdf_formula *formula,
                          const contact_frame *now, const double *time, size_t num_previous) {
     size_t num_inner = self->reference.grid.num_inner;
@@ -406,8 +409,9 @@ static void scale_steps(double *scaled, const double *lengths, double factor) {
         scaled[i] = factor * lengths[i];
 }
 
-/* While load, speed, radius and modulus change, the rate at fixed physical places has second order
- * in the step, for equal and variable steps. With one previous state it has first order. */
+/* While load, speed, radius and modulus change, the error of the rate d(rho h)/dT at fixed physical
+ * places has second order in the time step, for equal and variable steps. With one previous state
+ * it has first order. */
 static void rate_is_of_second_order(void **state) {
     (void)state;
     static const double lengths[][3] = {{0.1, 0.1, 0.1}, {0.1, 0.05, 0.1}, {0.05, 0.1, 0.2}};
@@ -425,7 +429,8 @@ static void rate_is_of_second_order(void **state) {
         }
 }
 
-/* The whole equation has second order if grid and step are refined together. */
+/* The error of the whole equation has second order if grid step and time step are refined
+ * together. */
 static void equation_is_of_second_order(void **state) {
     (void)state;
     static const double lengths[] = {0.1, 0.07, 0.1};

@@ -152,7 +152,7 @@ static void names_that_are_not_there_and_other_axes_are_refused(void **state) {
 }
 
 /* Writes a result with the attributes for SI units: half width 2, film unit 3, time unit 4, load 5,
- * Hertz pressure 6. The units of the frames grow with the index of the time. */
+ * Hertz pressure 6. The units of the frames are larger at the second point in time. */
 static void write_units(bool with_frames) {
     const struct {
         const char *name;
@@ -315,7 +315,8 @@ const char *__lsan_default_suppressions(void) {
     return "leak:libhdf5";
 }
 
-/* Printing a damaged file, finished or not, ends with one of the statuses below. */
+/* If any byte of a file is wrong, printing the file ends with EHD_OK, EHD_DATA or EHD_IO, whether
+ * the file is finished or not. */
 static void any_byte_may_be_wrong(void **state) {
     const char *const names[] = {"time", "load", "status", "history", "moes_M", "contact"};
     const size_t length = strlen(path);

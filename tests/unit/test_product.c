@@ -56,8 +56,8 @@ static void not_finite_columns_show(void **state) {
             assert_true(isnan(gram[j * n + i]) == (i == bad || j == bad));
 }
 
-/* Adds factor * A B to C, where A is stored by rows or by columns. C is a part of a larger array,
- * and the rest of this array must not change. */
+/* Checks that factor * A B is added to C, where A is stored by rows or by columns. C is a part of a
+ * larger array, and the rest of this array must not change. */
 static void matrix_product(void **state) {
     static double left[LONG * MOST], found[30 * (MOST + 3)], expected[30 * (MOST + 3)];
     const size_t inner[] = {0, 1, 16, 300, LONG};
@@ -201,7 +201,7 @@ static void qr_is_least_squares(void **state) {
         }
 }
 
-/* Factorises columns whose squares underflow or overflow. */
+/* The solution is also right if the squares of the numbers in the columns underflow or overflow. */
 static void qr_is_that_of_any_size(void **state) {
     static const double sizes[] = {1e-300, 1e-200, 1e-160, 1e-150, 1e150, 1e160, 1e200, 1e300};
     enum { ROWS = 7, COLUMNS = 3 };

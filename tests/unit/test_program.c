@@ -448,8 +448,8 @@ static int raise_twice(program *self) {
     return program_finish(self, EHD_OK, NULL);
 }
 
-/* If a program is started with closed standard files, a file that it opens does not get their
- * numbers. */
+/* If a program is started with closed standard streams, a file that it opens does not get the
+ * descriptor of one of these streams. */
 static int open_first(program *self) {
     static const char *const words[] = {"trial", "a.yml", "-o", "r.h5"};
     program again;

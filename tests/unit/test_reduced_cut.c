@@ -78,7 +78,7 @@ static void cut_tables_equal_plain_sums(void **state) {
     trained_free(&training);
 }
 
-/* The checkpoints of a point contact take 400 MB at most, plus one more checkpoint. The band of an
+/* The checkpoints of a point contact exceed 400 MB by at most one checkpoint. The band of an
  * independent basis has no film table, so this test fills much less memory than is counted here. */
 static void memory_bounds_the_checkpoints_of_a_point(void **state) {
     enum { LINES = 2, COLUMNS = 20, STATES = 12 };

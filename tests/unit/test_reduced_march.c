@@ -159,7 +159,8 @@ static void a_step_of_full_rank_is_one_of_the_full_model(void **state) {
     free(previous);
 }
 
-/* The two models differ only because their splines differ at the ends of the grid. */
+/* A reduced model with a mode for every node gives nearly the same results as the full model. They
+ * differ only because the splines of the two models differ at the ends of the grid. */
 static void full_rank_marches_as_the_full_model(void **state) {
     (void)state;
     reduced_basis nodes = nodes_basis();
@@ -191,7 +192,8 @@ static void full_rank_marches_as_the_full_model(void **state) {
     reduced_basis_free(&nodes);
 }
 
-/* A reduced model has only one zone of pressure on a grid line, so it reports a second zone. */
+/* A reduced model can represent only one zone of pressure on a grid line. It therefore reports a
+ * second zone that builds up behind the exit. */
 static void a_gap_that_closes_behind_the_exit_is_told(void **state) {
     (void)state;
     reduced_basis nodes = nodes_basis();
@@ -207,7 +209,7 @@ static void a_gap_that_closes_behind_the_exit_is_told(void **state) {
             assert_int_not_equal(self.last.status, EHD_NOT_CONVERGED);
             self.solver.accept(self.solver.self);
             const bool told = strstr(self.last.reason, "a second zone of pressure");
-            assert_true(told == (grows && i > 1)); // in step 1, conditions may have jumped
+            assert_true(told == (grows && i > 1)); // not in step 1, which may follow a jump
         }
         marching_free(&self);
     }

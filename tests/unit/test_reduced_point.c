@@ -266,8 +266,8 @@ static void cut_tables_equal_plain_sums(void **state) {
                         control->needed_node, control->num_needed, basis,
                         model->checkpoints.exit + c * model->band.num_lines);
 
-        // change the table from a checkpoint to exits before and behind it; together these lines
-        // have more nodes than a block
+        // update the table from a checkpoint to exits upstream and downstream of it; the exits pass
+        // more nodes than one block contains
         cut_run *runs = malloc(model->band.num_lines * sizeof *runs);
         double *work =
             malloc(CUT_BLOCK * (model->cut.num_rows + model->num_pressure) * sizeof *work);

@@ -72,7 +72,8 @@ static void full_fields(double *pressure, double *film, const reduced_problem *s
     deflection_free(deflection);
 }
 
-/* Checks that fields_of computes the same fields for a coupled basis, whatever the exit. */
+/* Checks that fields_of computes the same fields as full_fields, for a coupled basis and any
+ * exit. */
 static void check_fields(const reduced_problem *self, const reduced_basis *basis) {
     const size_t num_nodes = basis->grid.num_nodes;
     double *both = calloc(4 * num_nodes, sizeof *both);
@@ -141,9 +142,10 @@ static void full_rank_reproduces_the_full_model(void **state) {
     reduced_basis_free(&basis);
 }
 
-/* Starts near the solution, with the exit of the solution. From an exit farther downstream, the
- * solver might stop some nodes behind the right exit. With this basis no pressure there has a sign
- * that shows the error (moving_the_exit_…). */
+/* If the basis contains the solution, the solver finds it from a start near the solution with the
+ * right exit. From an exit farther downstream, the solver might stop some nodes behind the right
+ * exit. With this basis no pressure there has a sign that shows the error
+ * (moving_the_exit_equals_rebuilding). */
 static void a_basis_with_the_solution_finds_it(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
@@ -177,8 +179,8 @@ static void all_rows_in_any_order_are_level_i(void **state) {
             solve_from_neighbour(&level_i, s);
             solve_from_neighbour(&level_n, s);
             assert_int_equal(level_n.state.exit, level_i.state.exit);
-            // Both need about 22 iterations. The number may differ, because the last change is as
-            // small as the round-off that depends on the order of the rows.
+            // Both solutions need about 22 iterations. The numbers may differ, because the last
+            // change is as small as the round-off that depends on the order of the rows.
             assert_in_range(level_n.info.iterations + 1, level_i.info.iterations,
                             level_i.info.iterations + 2);
             check_close(level_n.info.scalars.central_film_thickness,
@@ -301,7 +303,8 @@ static void a_damped_step_shows_no_rate(void **state) {
     two_ways_free(&ways);
 }
 
-/* Truncated bases reproduce their training states to the truncation error. */
+/* Truncated bases reproduce their training states up to the truncation error, which decreases with
+ * the number of modes. */
 static void truncated_bases_stay_near(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
@@ -333,8 +336,8 @@ static void truncated_bases_stay_near(void **state) {
 
 /* Solves each training point, starting from the solution of each training point, in the published
  * discretisation. Because of damping and a limit of the exit's strides all these solutions
- * converge, with 850 iterations. In the accurate discretisation 8 of 144 solutions end in another
- * minimum of the residual. All 8 have the lightest load and the most viscous lubricant. */
+ * converge, in 850 iterations altogether. In the accurate discretisation 8 of 144 solutions end in
+ * another minimum of the residual. All 8 have the lightest load and the most viscous lubricant. */
 static void any_trained_solution_leads_to_any_other(void **state) {
     (void)state;
     const reduced_settings settings = reduced_default_settings();
@@ -416,8 +419,9 @@ static void thinned_full_rank_reproduces_the_full_model(void **state) {
     trained_free(&newtonian);
 }
 
-/* A large Eyring stress gives the Newtonian film, a small stress does not. The mobility of this
- * fluid is exponential in the pressure, so no mobility between the nodes is needed. */
+/* A large Eyring stress gives the Newtonian film, a small stress does not. This fluid is
+ * incompressible, so its mobility is exponential in the pressure. The Newtonian flow between two
+ * nodes is then exact without a mobility between the nodes. */
 static void thinned_solutions_have_the_newtonian_limit(void **state) {
     (void)state;
     trained thinned;
@@ -460,8 +464,9 @@ static ehd_status keep_last_row(double *step, void *context, const double *matri
     return EHD_NOT_CONVERGED;
 }
 
-/* The place of the exit in its cell is computed from the flux each time, so the residual of the
- * cell's row depends only on the coordinates. One exit is at a checkpoint, the other behind one. */
+/* Compares the derivatives of the row of the exit cell with finite differences. The place of the
+ * exit in its cell is computed from the flux each time, so the residual of this row depends only on
+ * the coordinates. One exit is at a checkpoint, the other behind one. */
 static void the_cell_s_row_equals_finite_differences(void **state) {
     (void)state;
     trained accurate;
@@ -522,7 +527,8 @@ static ehd_status keep_problem(double *step, void *context, const double *matrix
     return EHD_NOT_CONVERGED;
 }
 
-/* Checks all rows of flows that are thinned by sliding, including the row of the exit cell. */
+/* Compares the derivatives of all rows, including the row of the exit cell, with finite
+ * differences, for flows that are thinned by sliding. */
 static void thinned_rows_equal_finite_differences(void **state) {
     (void)state;
     trained thinned;
@@ -568,8 +574,8 @@ static void thinned_rows_equal_finite_differences(void **state) {
 // ---- moving the exit
 
 /* Newton's iteration moves a wrong exit by one or several nodes at a time, each time with a rank-k
- * update of the tables. The results come from the updated tables. These results must equal the
- * results that the final state has by definition, and must not depend on the first exit. */
+ * update of the tables. The results come from the updated tables. They must equal the results that
+ * the final state has by definition, and must not depend on the exit of the start. */
 static void moving_the_exit_equals_rebuilding(void **state) {
     (void)state;
     enum { STATE = 4 };
@@ -652,8 +658,9 @@ static void minimum_film_is_that_of_the_fields(void **state) {
             full_fields(pressure, film, &reduced, basis);
             check_close(reduced.info.scalars.minimum_film_thickness,
                         trained_least_film(film, &basis->grid), 1e-11, 0);
-            // Here all nodes are needed nodes. If other coordinates are given, as below, only the
-            // pressures in the band are computed from them.
+            // All nodes of this model are needed nodes. If other coordinates than those of the
+            // solution are given, as below, only the pressures in the band are computed from the
+            // given coordinates.
             reduced_pressures range = reduced_pressure_range(reduced.solver, &reduced.state);
             double least = 0, largest = 0;
             for (size_t k = 0; k < num_nodes; k++) {
@@ -738,8 +745,8 @@ static void the_observer_is_told_what_became_of_a_solution(void **state) {
     }
 }
 
-/* Compares (D f(z + t dz) - D f(z - t dz)) / 2t with the recorded D J dz, at states that are no
- * solutions. */
+/* Compares central differences of the weighted residuals, (D f(z + t dz) - D f(z - t dz)) / 2t,
+ * with the recorded D J dz, at states that are no solutions. */
 static void jacobian_equals_finite_differences(void **state) {
     (void)state;
     const reduced_settings once = {.tolerance = 1e-12, .max_iterations = 1};

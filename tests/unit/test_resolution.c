@@ -63,8 +63,9 @@ static void set_inlet(ehd_contact *contact, double x_min) {
                             contact->grid.discretization);
 }
 
-/* Compares inlets that begin at -4 and at -32. Under light loads the load of the missing inlet
- * matters, and the minimum film may change more or less than the central film. */
+/* Compares the estimated inlet effect with the change of the films if the inlet begins at -32
+ * instead of -4. Under light loads the load of the missing inlet matters, and the minimum film may
+ * change more or less than the central film. */
 static void inlet_effect_is_what_a_long_inlet_does(void **state) {
     (void)state;
     static const struct {
@@ -88,8 +89,8 @@ static void inlet_effect_is_what_a_long_inlet_does(void **state) {
     }
 }
 
-/* The load of the missing inlet is inversely proportional to the square of the inlet's length, also
- * for thick films, as in a rigid isoviscous contact. */
+/* Like the load of the missing inlet, the estimated effect is inversely proportional to the square
+ * of the inlet's length, also for thick films, as in a rigid isoviscous contact. */
 static void inlet_effect_of_a_thick_film(void **state) {
     (void)state;
     static const double cases[][2] = {{0.5, -32}, {1, -16}};
@@ -270,8 +271,8 @@ static void step_effects_are_of_the_right_size(void **state) {
     }
 }
 
-/* The rows of point contacts have second order. With a larger step the far field also begins
- * farther out. */
+/* Compares the estimate for point contacts, whose rows have second order, with an extrapolation
+ * from two finer grids. With a larger grid step the far field also begins farther out. */
 static void step_effect_of_a_point_contact(void **state) {
     (void)state;
     static const double cases[][2] = {{3, 0}, {10, 5}, {20, 0}}; // M, L
@@ -335,15 +336,17 @@ static void films_without_an_order(void **state) {
     // estimate is 0.12 / 4 / 3
     check_close(full_step_effect(by_chance, 2, 0.02, 0.5), 0.01, 1e-6, 0);
     check_close(full_step_effect(by_chance, 3, 0.02, 0.5), 0.12 / 8 / 7, 1e-6, 0);
-    // changes of opposite sign: a fraction of the change from 2h to h, or of a quarter of the
-    // change from 4h to 2h if this is larger
+    // If the changes from 4h to 2h and from 2h to h have opposite signs, the estimate is a given
+    // fraction, here 0.5 or 1, of the change from 2h to h. A quarter of the change from 4h to 2h
+    // takes its place if this quarter is larger.
     check_close(full_step_effect(across, 2, 0.001, 0.5), 0.005, 1e-12, 0);
     check_close(full_step_effect(across, 2, 0.001, 1), 0.01, 1e-12, 0);
     check_close(full_step_effect((const double[]){1, 1.01, 0.77}, 2, 0.001, 0.5), 0.03, 1e-12, 0);
 }
 
-/* Uses the published discretisation. In the accurate discretisation neither grid resolves the
- * spike: pressures before it alternate from node to node, and it is one node wide on both grids. */
+/* The numbers of nodes in the inlet, the outlet and the spike grow with the grid. This is tested in
+ * the published discretisation. In the accurate discretisation neither grid resolves the spike:
+ * pressures before it alternate from node to node, and it is one node wide on both grids. */
 static void nodes_grow_with_the_grid(void **state) {
     (void)state;
     const ehd_contact coarse =
@@ -380,7 +383,8 @@ static void too_coarse_to_tell(void **state) {
     assert_true(isinf(resolution.effects.of[EFFECT_STEP]));
 }
 
-/* Tries an even number of nodes, and grids whose coarser grid has no node at X = 0. */
+/* The estimate hardly changes with an even number of nodes, or on grids whose coarser grid has no
+ * node at X = 0. */
 static void any_number_of_nodes(void **state) {
     (void)state;
     ehd_contact contact = sample_contact("barus", "incompressible", 12, 8, 0.01);
@@ -419,7 +423,8 @@ static void estimate_without_memory(void **state) {
     }
 }
 
-/* The coarser grids of a point contact may extend farther to the sides than its own grid. */
+/* The half grid and the whole grid have the same estimates, although the coarser grids of a point
+ * contact may extend farther to the sides than its own grid. */
 static void half_and_whole_say_the_same(void **state) {
     (void)state;
     for (size_t cells = 48; cells <= 54; cells += 2) {

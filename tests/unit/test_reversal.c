@@ -45,13 +45,14 @@ static double off_mirror(const marched *self, const marched *other) {
     return largest / last_of(self, self->film);
 }
 
-/* The results are mirror images from the start on. The grid need not be symmetric. */
+/* The results of a negative speed are mirror images of the results of the positive speed, from the
+ * start on. The grid need not be symmetric. */
 static void negative_speeds_are_mirror_images(void **state) {
     static const char *const transients[] = {
         "end_time: 1, fixed_step: 0.02, load: {law: sine, amplitude: 0.2, period: 0.5}, "
         "start_speed: 1",
         "end_time: 1, fixed_step: 0.05, approach: {law: sine, amplitude: 0.05, period: 1}",
-        // in longer runs round-off would lead to other steps
+        // in longer runs round-off would lead to different time steps
         "end_time: 0.15, tolerance: 1e-4, load: {law: sine, amplitude: 0.2, period: 0.5}"};
     (void)state;
     for (int i = 0; i < 4; i++) {
@@ -211,7 +212,8 @@ static void starts_from_rest(void **state) {
     marched_end(&first);
 }
 
-/* The marches have error control and reversals. */
+/* Steps that are repeated, or made from a restored state, have the same bits, also in a march with
+ * error control and reversals of the speed. */
 static void repeated_and_restored_steps_have_the_same_bits(void **state) {
     (void)state;
     const scene of = scene_of(false, "end_time: 3.4, tolerance: 1e-3, speed: {law: sine, mean: 0, "

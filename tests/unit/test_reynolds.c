@@ -89,8 +89,8 @@ static void check_row_derivatives(const ehd_contact *contact) {
     }
 }
 
-/* Returns the contact with a flow that is thinned by sliding. With the chosen Eyring stress the
- * rate of shear in the middle is `rate` times the rate at which thinning begins. */
+/* Returns the contact with a flow that is thinned by sliding. At P = 0.5 and H = 0.4 the Newtonian
+ * shear stress is `rate` times the Eyring stress. */
 static ehd_contact thinned(ehd_contact contact, double rate) {
     contact.grid.discretization = DISCRETIZATION_ACCURATE;
     contact.half_width = 1e-4;
@@ -121,8 +121,8 @@ static void row_derivatives(void **state) {
         }
 }
 
-/* The difference from the Newtonian rows is inversely proportional to the square of the Eyring
- * stress. */
+/* The difference of the thinned rows from the Newtonian rows is inversely proportional to the
+ * square of the Eyring stress. */
 static void thinned_rows_have_the_newtonian_limit(void **state) {
     (void)state;
     const ehd_contact contact = sample_contact("roelands", densities[1], 5, 6, 0.1);
@@ -217,7 +217,7 @@ static void rows_do_not_depend_on_those_beside(void **state) {
     }
 }
 
-/* If the mobility of a node underflows to zero, the node has no flow. */
+/* If the mobility of a node underflows to zero, the node has no flow, and all rows are finite. */
 static void rows_are_finite_at_any_viscosity(void **state) {
     (void)state;
     ehd_contact contact = sample_contact("barus", "dowson-higginson", 1000, 20, 0.1);
@@ -400,7 +400,9 @@ static void squeezed_rows(reynolds_row *rows, const ehd_contact *contact,
     reynolds_rows(rows, &grid, 0.8, squeeze, stencils, NUM_NODES - 2, &fluid, pressure, film);
 }
 
-/* Checks the squeeze term rate rho H + previous, which depends only on values at the row's node. */
+/* Checks the squeeze term: `rate` times rho H of the row's node, plus `previous`. It is subtracted
+ * from the residual of the row without squeeze. Also checks the derivatives of the rows, which the
+ * squeeze changes only at the row's own node. */
 static void check_squeeze_derivatives(const ehd_contact *contact) {
     double pressure[NUM_NODES], film[NUM_NODES], previous[NUM_NODES - 2];
     reynolds_row rows[NUM_NODES - 2], steady[NUM_NODES - 2], up[NUM_NODES - 2], down[NUM_NODES - 2];

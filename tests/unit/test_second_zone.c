@@ -38,8 +38,8 @@ static double gap_at(const closing *of, double x, double *slope) {
     return of->film + (of->dry_contact ? (x * root - log(x + root)) / 2 : x * x / 2);
 }
 
-/* Computes the pressure at num + 1 places from begin to end, with P = dP/dX = 0 at the first place.
- * The balance of mass, h^3 dP/dX = lambda int (U - growth X/2) dh/dX dX, is integrated by the
+/* Computes the pressure at num + 1 places from `begin` to `end`, with P = dP/dX = 0 at `begin`. The
+ * balance of mass, h^3 dP/dX = lambda int (U - growth X/2) dh/dX dX, is integrated by the
  * trapezoidal rule. The term with growth is the squeeze. Under constant load the gap of a line is
  * (a^2/R) g(x/a). While R grows, the height a^2/R of the gap stays constant, and its length a
  * changes. */
@@ -150,8 +150,9 @@ static void a_growing_radius_does_not_stop_the_march(void **state) {
     }
 }
 
-/* The second zone begins at the same time on a fine and on a coarse grid, and has the same load. On
- * the coarse grid the conditions at single nodes are violated more. */
+/* The second zone has the same load on a fine and on a coarse grid, because it begins at the same
+ * time. If the solver marked single nodes for pressure, and not runs of nodes (mark_runs in
+ * full_solver.c), this time would depend on the grid. */
 static void the_zone_does_not_depend_on_the_grid(void **state) {
     double load[2] = {0};
     (void)state;

@@ -48,9 +48,10 @@ static void joint_hand_worked_example(void **state) {
     const double jacobian_modes[] = {0, 0.6, 0.8, 0, -0.8, 0.6};
     const selection_bases bases = {
         .num_nodes = 3, .num_modes = {2, 2}, .modes = {residual_modes, jacobian_modes}};
-    // Row 1 is first: the rows' sums of squares are 0.36, 1 and 0.64. To fit the second mode at row
-    // 1, the first mode is multiplied by 3/4 (residual basis) and -4/3 (Jacobian basis). The errors
-    // of the fits are (-5/4, 0, 0) and (0, 0, 5/3). The largest error is at row 2, which is next.
+    // Row 1 is selected first: the sums of squares of the three rows are 0.36, 1 and 0.64. To fit
+    // the second mode at row 1, the first mode is multiplied by 3/4 (residual basis) and -4/3
+    // (Jacobian basis). The errors of the fits are (-5/4, 0, 0) and (0, 0, 5/3). The largest error
+    // is at row 2, which is selected next.
     size_t rows[2];
     assert_int_equal(selection_joint(rows, &bases, 2, NULL), EHD_OK);
     check_rows(rows, (size_t[]){1, 2}, 2);
@@ -61,7 +62,8 @@ static void joint_hand_worked_example(void **state) {
     check_rows(rows, (size_t[]){1, 0}, 2);
 }
 
-/* Computes phi of Fig. A1 directly: least squares on the selected rows by dgelsd. */
+/* Computes phi of Fig. A1 of Maier et al. (2015) directly: least squares on the selected rows by
+ * dgelsd. */
 static void naive_residual(double *residual, const double *modes, size_t num_nodes, size_t size,
                            const size_t *rows) {
     const double *next = modes + size * num_nodes;
@@ -176,8 +178,8 @@ static void pivoted_qr_takes_the_longest_remaining_row(void **state) {
 }
 
 /* Returns log S of a basis sampled at the rows (s_opt.c), with the determinant from singular
- * values. With fewer rows than modes, only the nonzero singular values are used. The result is the
- * limit of a small ridge whose share is divided out. */
+ * values. With fewer rows than modes, only the nonzero singular values are used. This is the limit
+ * for a small ridge, without the constant factor that the ridge itself contributes. */
 static double naive_log_s(const double *modes, size_t num_modes, size_t num_nodes,
                           const size_t *rows, size_t num_rows) {
     double *sampled = malloc(num_rows * num_modes * sizeof *sampled);
@@ -300,7 +302,7 @@ static void all_nodes_can_be_selected(void **state) {
 }
 
 /* At each node one of the two bases is zero, so a row that is selected for one basis is zero in the
- * other basis. */
+ * other basis. All methods must still select different rows. */
 static void survives_singular_systems(void **state) {
     (void)state;
     enum { NUM_NODES = 40, HALF = NUM_NODES / 2, NUM_ROWS = 16 };

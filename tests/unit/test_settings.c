@@ -313,7 +313,8 @@ static const struct {
     {SET, "moes.M", "--set: found moes.M, expected KEY=VALUE"},
     {SET, "grid.x_min=-1", "--set: grid.x_min: found -1, expected less than -1"},
     {SET, "lubricant.viscosity.law=barus", "expected none with the law barus"},
-    // overrides without a value; if such an override would remove an error, the error says so
+    // overrides without a value; the text of an error names such an override if it would remove the
+    // error
     {SET, "lubricant.viscosity.law=barus",
      "s.yml:5: lubricant.viscosity.preset: found a value, expected none with the law barus (--set "
      "lubricant.viscosity.preset= unsets it)"},
@@ -886,8 +887,8 @@ static void the_default_boundary_is_open(void **state) {
     assert_string_equal(of.boundary, "zero");
 }
 
-/* The default is the same for lines and points, for stationary and transient scenes, and for scenes
- * from a file or from a program. */
+/* The default discretisation is the same for lines and points, for stationary and transient scenes,
+ * and for scenes from a file or from a program. */
 static void the_default_discretization_is_accurate(void **state) {
     scene of;
     (void)state;
@@ -904,7 +905,8 @@ static void the_default_discretization_is_accurate(void **state) {
     assert_string_equal(of.discretization, "published");
 }
 
-/* Versions before 0.3.0 stored scenes and plans without the key `discretization`. */
+/* Versions before 0.3.0 stored scenes and plans without the key `discretization`. Such a text
+ * matches the text of the same scene with the published discretisation. */
 static void kept_text_without_a_discretization_is_of_the_published_one(void **state) {
     static const struct {
         const char *kept, *now;
@@ -1140,9 +1142,9 @@ static void plan_combines_a_grid(void **state) {
     assert_null(of.points);
 }
 
-/* The points of each density are first the corners of the region, then points exactly on its edges,
- * then inner points. No gap is more than a few times as large as in a regular grid of as many
- * points. */
+/* For each density law, the first points are the corners of the region. Points exactly on its edges
+ * follow, and then inner points. No gap is more than a few times as large as in a regular grid with
+ * the same number of points. */
 static void plan_fills_a_region(void **state) {
     enum { CANDIDATES = 400, EDGES = 4 * (CANDIDATES / 4 / 4) };
     double gap = 0;
@@ -1468,8 +1470,8 @@ static void same_plan(const plan *found, const plan *expected) {
     }
 }
 
-/* The plan has all kinds of settings, also quoted texts. Later points do not have all settings of
- * earlier points. */
+/* A plan that is read back from its text equals the original plan. This plan has all kinds of
+ * settings, also quoted texts. Later points do not have all settings of earlier points. */
 static void plan_is_read_back_from_its_text(void **state) {
     plan written, found;
     char text[1024], *more;

@@ -13,7 +13,8 @@ enum { NUM_NODES = 70, NUM_MODES = 9, NUM_ROWS = 30 };
 static const size_t exits[] = {31, 44, 60};
 enum { NUM_EXITS = sizeof exits / sizeof *exits };
 
-/* Exit lines on the same nodes. Of any two exit lines, each lies upstream on some grid line. */
+/* The same number of nodes on NUM_LINES grid lines, each with an exit. Of any two exit lines, each
+ * lies upstream of the other one on some grid line. */
 enum { NUM_LINES = 5, WIDTH = NUM_NODES / NUM_LINES };
 static const size_t exit_lines[NUM_EXITS][NUM_LINES] = {
     {10, 9, 8, 9, 4}, {11, 12, 7, 3, 13}, {12, 8, 14, 13, 12}};
@@ -73,8 +74,8 @@ static bool is_before(const selection_bases *bases, size_t exit, size_t node) {
 }
 
 /* Makes the part of a basis before an exit orthonormal, and returns sigma_min of the selected rows
- * of this part. `at_nodes` [NUM_NODES] receives the worst direction, which is zero behind the
- * exit. */
+ * of this part. `at_nodes` [NUM_NODES] receives the worst direction: the combination of modes that
+ * the rows determine worst. It is zero behind the exit. */
 static double naive_sigma_min(double *at_nodes, const selection_bases *bases, size_t basis,
                               size_t exit, const size_t *rows, size_t num_rows) {
     double before[NUM_MODES * NUM_NODES], sampled[NUM_NODES * NUM_MODES] = {0};

@@ -63,8 +63,8 @@ static void test_position(void **state) {
     assert_null(stage_here().names);
 }
 
-/* stage_next moves to the next stage only if this stage has the given name, because a pipeline may
- * leave out checks of models. */
+/* stage_next moves to the next stage only if the next stage has the given name, because a pipeline
+ * may leave out checks of models. */
 static void test_next(void **state) {
     stage self = stage_at("a-rows");
     (void)state;

@@ -239,7 +239,8 @@ static void check_unseen(const char *expected, const char *const *settings) {
         fail_msg("found %s, expected %s", error.text, expected);
 }
 
-/* The grid extends from -4 to 2 in steps of 0.05. */
+/* The grid extends from -4 to 2 in steps of 0.05. A surface is refused if its heights change over
+ * too short a distance for this grid, or if it rests outside of this grid. */
 static void what_the_grid_does_not_see_is_refused(void **state) {
     (void)state;
     check_unseen("", WITH("kind=sine", "amplitude=0.01", "wavelength=0.2"));
@@ -274,7 +275,8 @@ static void what_cannot_be_is_refused(void **state) {
                   WITH("kind=file", table_of("x,h\n0,0\n1,1\n1,1\n2,0\n"), "column=h"));
 }
 
-/* If the scene gives the speeds of both surfaces, the surface's speed must be one of them. */
+/* If the scene gives the speeds of both surfaces, the speed of the rough surface must be one of
+ * these two speeds. */
 static void it_is_on_one_of_the_surfaces(void **state) {
     (void)state;
     static const char *const speeds[] = {"speed=1.2", "speed=0.8", "speed=1"};
@@ -310,8 +312,8 @@ static void the_start_is_smooth(void **state) {
 
 // ---- steps
 
-/* While the dent is on the grid, it moves in a step by at most half of the length over which its
- * heights change. No step goes beyond the arrival of the dent at the grid. */
+/* While a dent is on the grid, it moves in a time step by at most half of the length over which its
+ * heights change. No time step goes beyond the arrival of the dent at the grid. */
 static void steps_see_it_come(void **state) {
     (void)state;
     ehd_contact reference;

@@ -44,8 +44,9 @@ static double local_of(reduced_film film) {
     return time_indicator_local(&indicator, film, 0.1);
 }
 
-/* While the fluid moves from the minimum of the film to the exit, an earlier error decreases to
- * 1/e. The error of a new step is added. A repeated step starts from the accepted state again. */
+/* While the fluid moves from the minimum of the film to the exit, the local error of an earlier
+ * step decreases to 1/e. The error of a new step is added. A repeated step starts from the accepted
+ * state again. */
 static void what_rows_do_leaves_through_the_exit(void **state) {
     const contact_scalars scalars = {.central_film_thickness = 0.1,
                                      .minimum_film_thickness = 0.08,
@@ -106,9 +107,9 @@ static size_t row_at(size_t node) {
     return row;
 }
 
-/* time_indicator_at_exit counts only residuals of rows that are not in the least squares, because
- * an exit has passed them since. Such a row has the influence and the weight of the nearest row in
- * the least squares. */
+/* time_indicator_at_exit counts only residuals of rows that are not in the last least-squares
+ * problem, for example because the exit has passed them. Such a row has the influence and the
+ * weight of the nearest row in this problem. */
 static void rows_that_an_exit_has_passed_count(void **state) {
     const row_set *rows = &at_rest.model.rows;
     const reduced_state at = reduced_march_state(at_rest.march, NULL);
@@ -117,7 +118,7 @@ static void rows_that_an_exit_has_passed_count(void **state) {
 
     assert_non_null(influence);
     time_indicator_place(&indicator, &at);
-    assert_int_equal(indicator.num_at_exit, 2); // kept factors need the same exit on this grid
+    assert_int_equal(indicator.num_at_exit, 2); // on this grid a moved exit needs a new Jacobian
     const size_t before = indicator.node[indicator.num_nodes];
     assert_int_equal(before, at.exit - 1);
     indicator.residual[indicator.num_nodes] = 0.5;

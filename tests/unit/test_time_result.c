@@ -199,7 +199,7 @@ static void check_series(const time_series *series, size_t num_times) {
     }
 }
 
-/* Checks the scalars of the file that time_series does not read. */
+/* Checks those scalars of the file that time_series does not contain. */
 static void check_scalars(artefact *file, size_t num_times) {
     static const struct {
         const char *name;

@@ -123,7 +123,8 @@ static void stresses_stay_finite(void **state) {
 
 // ---- integrals
 
-/* A plug of constant film and pressure, wider than the dry contact, has results in closed form. */
+/* The results for a plug of constant film and pressure, wider than the dry contact, equal closed
+ * forms. */
 static void plug_of_constant_film(void **state) {
     (void)state;
     const double film = 0.07, pressure = 0.6;
@@ -149,8 +150,8 @@ static void plug_of_constant_film(void **state) {
         const traction_sums beyond = contact_traction_beyond(&contact, &scalars);
         const double here = -contact.lambda / 12 * slope * 0.3 / film;
         const double stress = here * viscosity_ratio(&contact, pressure);
-        // within a step behind the last node with pressure, the stress falls to its value without
-        // pressure
+        // within a grid step behind the last node with pressure, the stress falls to its value
+        // without pressure
         double force = stress * cells * grid_cell(grid), ends = 0;
         for (size_t r = 0; r < grid->num_inner; r++) {
             const size_t k = grid_node_of_row(grid, r);
@@ -224,9 +225,9 @@ static void stresses_on_both_surfaces(void **state) {
     free(on[1]);
 }
 
-/* The error of the mean stress over the dry contact has second order in the step, wherever the edge
- * of the dry contact lies between nodes. The stress is 1/(1 + X^2) for a line and 1 - r^2/2 for a
- * point. */
+/* The error of the mean stress over the dry contact has second order in the grid step, wherever the
+ * edge of the dry contact lies between nodes. The stress is 1/(1 + X^2) for a line and 1 - r^2/2
+ * for a point. */
 static void mean_over_the_area(void **state) {
     (void)state;
     for (int dimensions = 1; dimensions <= 2; dimensions++)
@@ -291,9 +292,9 @@ static void inlet_of_a_rigid_line(void **state) {
         }
 }
 
-/* Compares the contribution of the surroundings of a point or elliptic contact with another
- * quadrature. This quadrature uses rings around the cells of the grid, with equal parts of ln r. It
- * subtracts the pressure at the outer rim in the same direction. */
+/* Compares the rolling and the friction outside of the grid, for point and elliptic contacts, with
+ * another quadrature. This quadrature uses rings around the cells of the grid, with equal parts of
+ * ln r. From each pressure it subtracts the pressure at the outer rim in the same direction. */
 static void around_a_point(void **state) {
     (void)state;
     const double ellipticities[] = {1, 0.5, 3}, approach = -0.4;

@@ -257,8 +257,8 @@ static void a_factor_may_be_the_same_for_all(void **state) {
     assert_memory_equal(&none, &plain_shape, sizeof none);
 }
 
-/* If an exit is wrong by a node, the deviation is large, but no bound shows this. Because of the
- * offset, such a scene does not increase the estimates of all other scenes. */
+/* If an exit is wrong by a node, the deviation is large, but no bound shows this. With an offset in
+ * the fit, such a scene does not increase the estimates of all other scenes. */
 static void an_offset_takes_what_no_bound_tells(void **state) {
     enum { NUM = 9 };
     double bounds[NUM], deviations[NUM];
@@ -475,7 +475,8 @@ static void a_promise_is_kept_or_the_result_flagged(void **state) {
 
 // ---- measuring
 
-/* Compares a model with full solutions of the training, of which some get wrong values. */
+/* Compares a model with full solutions of the training. If some values of the full solutions are
+ * changed, the measured deviations equal these changes. */
 static void a_full_model_deviates_by_what_it_is_told(void **state) {
     const double film = 1.25, pressure = 0.8;
     const size_t num_nodes = training.set.grid.num_nodes;

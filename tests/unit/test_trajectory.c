@@ -189,7 +189,8 @@ static void workers_change_no_bit(void **state) {
     training_set_free(&set);
 }
 
-/* With M = 5000 the grid is too coarse, so the trajectory fails. */
+/* With M = 5000 the grid is too coarse, so this trajectory fails. The results are then those of the
+ * other trajectory alone. */
 static void failed_trajectory_leaves_nothing(void **state) {
     (void)state;
     training_set set, alone;
@@ -282,7 +283,8 @@ static void extremes_are_kept(void **state) {
     kept_states_free(&kept);
 }
 
-/* If a march has fewer steps than states are to be kept, the last state fills the other places. */
+/* If a march has fewer steps than states are to be kept, the remaining kept states are copies of
+ * the last state. */
 static void few_steps_fill_all_places(void **state) {
     (void)state;
     ehd_contact reference = reference_contact();
