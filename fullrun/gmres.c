@@ -30,13 +30,6 @@
  * A line contact of 76801 nodes needs 77 (test_gmres.c, vectors_suffice_for_a_fine_grid). */
 enum { MAX_ITERATIONS = 80 };
 
-/* Number of additional columns at each end of a matrix row while the rows of a multigrid cycle are
- * computed. Afterwards, the entries of these columns are added to the first and last entries of the
- * row. Without the columns, differences along the line lack some of their nodes, and solutions of
- * the line grow or fade downstream. GMRES takes 109 iterations with 2 columns and 197 without them,
- * for M = 200, L = 20 and 256 cells a side (test_full_point.c, fine_grids_take_few_iterations). */
-enum { CYCLE_WIDER = 2 };
-
 /* Factors of the band of one system. These factors may also precondition the next systems of
  * Newton's iteration. */
 typedef struct near_factors {
@@ -333,14 +326,19 @@ static void assemble_near_field(full_system *system) {
     work->row_start[num_passive] = count;
 }
 
+/* Computes the row of a node for a multigrid cycle. The near field reaches one column beyond each end
+ * of the row. The entries of these columns are added to the first and last entries of the row.
+ * Without them, differences along the line lack some of their nodes, and solutions of the line grow
+ * or fade downstream: for M = 200, L = 20 and 256 cells a side GMRES takes 197 instead of 109
+ * iterations (test_full_point.c, fine_grids_take_few_iterations). */
 static void fill_cycle_row(double *values, double *approach, const full_system *system,
                            size_t node) {
     const ehd_grid *grid = system->grid;
     const ptrdiff_t width = (ptrdiff_t)grid_width(grid);
     const ptrdiff_t line = (ptrdiff_t)node / width, column = (ptrdiff_t)node % width;
     const double scale = system->row_scale[grid_row_of_node(grid, node)];
-    double window[CYCLE_LINES * (CYCLE_COLUMNS + 2 * CYCLE_WIDER)];
-    const reach at = near_row(window, approach, system, node, CYCLE_WIDER);
+    double window[CYCLE_LINES * (CYCLE_COLUMNS + 2)];
+    const reach at = near_row(window, approach, system, node, 1);
     const double *next = window;
 
     for (ptrdiff_t l = at.first_line; l <= at.last_line; l++) {

@@ -197,12 +197,9 @@ static flow taken_up_to(double t, const reynolds_squeeze *squeeze, const reynold
 double exit_place(const ehd_grid *grid, double entrainment, double flux,
                   const reynolds_squeeze *squeeze, const reynolds_stencil *stencil,
                   const reynolds_fluid *fluid, const double *film) {
-    // Number of steps of Newton's iteration. The function is nearly linear: three steps are
-    // enough, and two steps are too few (test_exit.c, an_exit_is_placed_by_what_flows).
-    const int num_steps = 6;
-    double place = 0.5;
+    double place = 0.5, change = INFINITY, last_change;
 
-    for (int i = 0; i < num_steps; i++) {
+    do { // Newton's iteration, until round-off ends the decrease of its steps
         flow leaving = carried_at(place, entrainment, stencil, fluid, film);
         if (squeeze) {
             const flow taken = taken_up_to(place, squeeze, stencil, fluid, film);
@@ -210,7 +207,10 @@ double exit_place(const ehd_grid *grid, double entrainment, double flux,
             leaving.slope += grid->step * taken.slope;
         }
         if (!(leaving.slope > 0)) return NAN;
-        place = fmin(fmax(place + (flux - leaving.value) / leaving.slope, -0.5), 1.5);
-    }
+        const double next = fmin(fmax(place + (flux - leaving.value) / leaving.slope, -0.5), 1.5);
+        last_change = change;
+        change = fabs(next - place);
+        place = next;
+    } while (change < last_change);
     return place;
 }

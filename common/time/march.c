@@ -58,12 +58,10 @@ static const double NOISE_KEPT = 0.9;
  * ends too late (test_march.c, step_size_underflows, crawling_ends). */
 enum { WATCHED_ATTEMPTS = 3000, STILL_ATTEMPTS = 100 };
 
-/* MIN_STEP: shortest step, divided by the first step. A value of 1e-3 is too large for
- * test_march.c, crawling_ends. SUM_ROUNDING: relative round-off of a time, which is a sum of steps.
- * If SUM_ROUNDING is 0, steps become too short to change the time (test_march.c,
- * step_size_ends_above_rounding). If it is 1e-10, fixed steps fail late in time (test_march.c,
- * fixed_steps_go_on_late_in_time). */
-static const double MIN_STEP = 1e-9, SUM_ROUNDING = 8 * DBL_EPSILON;
+/* Relative round-off of a point in time, which is a sum of time steps. If this number is 0, steps
+ * become too short to change the time (test_march.c, step_size_ends_above_rounding). If it is
+ * 1e-10, fixed steps fail late in time (test_march.c, fixed_steps_go_on_late_in_time). */
+static const double SUM_ROUNDING = 8 * DBL_EPSILON;
 
 /* Longest step while the bodies are apart, as a fraction of the shortest time scale of the smooth
  * histories; the time scale of a sine is 1/(2 pi) of its period. No error estimate limits these
@@ -311,10 +309,10 @@ static double error_after_kink(const march *self, const march_step *outcome) {
     return local_error * fmax(part / smooth, 1);
 }
 
-/* Returns the length of a time step below which the march ends. Shorter steps hardly advance the
- * march, or are lost in the round-off of the time. */
+/* Returns the length of a time step below which the march ends, because the step is lost in the
+ * round-off of the time. */
 static double min_step(const march *self) {
-    return fmax(MIN_STEP * self->settings.first_step, SUM_ROUNDING * self->state.time);
+    return SUM_ROUNDING * fmax(self->settings.first_step, self->state.time);
 }
 
 static bool is_along_path(const march *self) {
