@@ -346,8 +346,4 @@ void artefact_visit_attributes(const artefact *file, void (*visit)(const char *n
  * its schema, so that every checksum is verified. */
 ehd_status artefact_check(const char *path, ehd_error *error);
 
-/* Prints the tables of a schema as Markdown. A test compares the pages in schemas/ with these
- * tables. */
-void artefact_print_markdown(const artefact_schema *schema, FILE *stream);
-
 #endif

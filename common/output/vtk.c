@@ -4,6 +4,7 @@
 #include "common/output/si_units.h"
 #include "common/program/arena.h"
 #include "common/program/output_file.h"
+#include "common/program/text.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -205,16 +206,6 @@ static ehd_status put_one(images *self, const char *path, ehd_error *error) {
 
 // ---- a time series
 
-/* Prints a text so that it can stand within the quotes of an XML attribute. */
-static void print_quoted(const char *text, FILE *stream) {
-    for (; *text; text++) {
-        if (strchr("<>&\"", *text))
-            fprintf(stream, "&#%d;", *text);
-        else
-            fputc(*text, stream);
-    }
-}
-
 /* Returns the path of an image in the folder of the collection `path`, which ends with ".pvd". Free
  * the path of the image with free(). */
 static char *image_path(const char *path, size_t number) {
@@ -233,7 +224,7 @@ static ehd_status put_entry(images *self, size_t time, size_t number, FILE *coll
 
     fprintf(collection, "<DataSet timestep=\"%.17g\" part=\"0\" file=\"",
             self->time[time] * si_units_at(&self->of_time, time));
-    print_quoted(slash ? slash + 1 : path, collection);
+    text_print_xml(slash ? slash + 1 : path, collection);
     fputs("\"/>\n", collection);
     free(path);
     return status;

@@ -138,3 +138,12 @@ ehd_status parse_count(size_t *value, const char *text, size_t min, size_t max, 
     return ehd_fail(error, refusal, "%s: found %s, expected a whole number from %zu to %zu", object,
                     found, min, max);
 }
+
+void text_print_xml(const char *text, FILE *stream) {
+    for (; *text; text++) {
+        if (strchr("<>&\"", *text))
+            fprintf(stream, "&#%d;", *text);
+        else
+            fputc(*text, stream);
+    }
+}

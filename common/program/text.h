@@ -6,6 +6,7 @@
 #include "common/program/status.h"
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 enum { NUMBER_TEXT = 32, SHOWN_TEXT = 64 }; // bytes, with the closing zero
 
@@ -29,6 +30,9 @@ size_t text_character(const char *text);
  * UTF-8 becomes '?'. The ASCII characters in `kept` stay. All errors and messages pass through this
  * function. */
 void text_make_printable(char *text, const char *kept);
+
+/* Prints a text so that it can stand within the quotes of an XML attribute. */
+void text_print_xml(const char *text, FILE *stream);
 
 /* Reads a number like number_read, and checks that it lies within min..max (infinite: no bound). If
  * it does not, returns `refusal` (EHD_USAGE or EHD_DATA). The message begins with `object`. */

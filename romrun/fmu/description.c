@@ -17,30 +17,10 @@ const char fmu_identifier[] = "ehdrom_contact";
 #define NEEDED_GLIBC "2.35"
 #endif
 
-static void put_escaped(FILE *file, const char *text) {
-    for (; *text; text++)
-        switch (*text) {
-        case '<':
-            fputs("&lt;", file);
-            break;
-        case '>':
-            fputs("&gt;", file);
-            break;
-        case '&':
-            fputs("&amp;", file);
-            break;
-        case '"':
-            fputs("&quot;", file);
-            break;
-        default:
-            fputc(*text, file);
-        }
-}
-
 /* Writes an attribute, with a space before it. */
 static void put(FILE *file, const char *name, const char *value) {
     fprintf(file, " %s=\"", name);
-    put_escaped(file, value);
+    text_print_xml(value, file);
     fputc('"', file);
 }
 
@@ -210,7 +190,7 @@ void fmu_describe(FILE *file, const fmu_description *of, int fmi) {
 
 static void put_cell(FILE *file, const char *text) {
     fputs("<td>", file);
-    put_escaped(file, text);
+    text_print_xml(text, file);
     fputs("</td>", file);
 }
 
@@ -218,9 +198,9 @@ void fmu_document(FILE *file, const fmu_description *of) {
     const fmu_contents *contents = of->contents;
 
     fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>", file);
-    put_escaped(file, of->name);
+    text_print_xml(of->name, file);
     fputs("</title></head><body>\n<h1>", file);
-    put_escaped(file, of->name);
+    text_print_xml(of->name, file);
     fprintf(file,
             "</h1>\n<p>A reduced elastohydrodynamic %s contact, exported by ehdrom " EHDROM_VERSION
             ", for co-simulation. A communication step is one step of BDF2 to the inputs that were "

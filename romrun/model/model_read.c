@@ -368,8 +368,7 @@ static ehd_status read_states(reduced_model *model, artefact *file, const stored
     if (!status)
         status = reduced_states_init(kept, whole.num_states, whole.num_lines, model->num_unknowns,
                                      error);
-    if (!status)
-        memcpy(kept->exit, whole.exit, whole.num_states * whole.num_lines * sizeof *kept->exit);
+    if (!status) reduced_states_put(kept, 0, &whole);
     for (size_t s = 0; s < whole.num_states && !status; s++) {
         const double *source = whole.coordinates + s * whole.num_unknowns;
         double *target = kept->coordinates + s * kept->num_unknowns;
@@ -377,15 +376,6 @@ static ehd_status read_states(reduced_model *model, artefact *file, const stored
         memcpy(target + model->num_pressure, source + stored->pressure,
                model->num_deformation * sizeof(double));
         target[kept->num_unknowns - 1] = source[whole.num_unknowns - 1];
-        kept->moes_M[s] = whole.moes_M[s];
-        kept->alpha_p_H[s] = whole.alpha_p_H[s];
-        kept->thinning[s] = whole.thinning[s];
-        kept->central_film_thickness[s] = whole.central_film_thickness[s];
-        kept->stationary[s] = whole.stationary[s];
-        kept->rate[s] = whole.rate[s];
-        kept->load_rate[s] = whole.load_rate[s];
-        kept->effects[s] = whole.effects[s];
-        kept->rises[s] = whole.rises[s];
     }
     reduced_states_free(&whole);
     return status;

@@ -46,18 +46,13 @@ typedef struct online_solver online_solver;
 
 /* Sizes and kind of a model, for information. */
 typedef struct online_properties {
-    size_t num_inner;           // number of inner nodes of the grid
-    size_t num_nodes;           // number of nodes including the boundary nodes
-    size_t num_lines;           // number of inner grid lines, with mirrored lines; line contact: 1
-    double x_min, step;         // X of the first inner node, and grid step, half widths
-    const char *discretization; // "accurate" or "published"
-    const char *boundary;       // "open" or "zero"; "zero" for line contacts
-    const char *deformation;    // "independent" or "coupled"
-    const char *transport;      // transport of films in time: "path" or "upwind"
+    size_t num_nodes;                         // number of nodes including the boundary nodes
+    const char *discretization;               // "accurate" or "published"
+    const char *boundary;                     // "open" or "zero"; "zero" for line contacts
+    const char *transport;                    // transport of films in time: "path" or "upwind"
     size_t pressure_modes, deformation_modes; // numbers of modes in use
     size_t unknowns;                          // number of unknowns of the reduced system
     size_t rows;                              // number of selected Reynolds rows in use
-    size_t needed_nodes;                      // nodes in the stencils of the rows and around X = 0
     size_t states;                            // number of training solutions
     size_t parts; // number of models for parts of a region. The grid is then the grid with most
                   // nodes, `states` is the sum over all parts, and the other numbers above are

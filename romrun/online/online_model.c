@@ -184,20 +184,14 @@ online_properties online_describe(const online_model *self) {
         num_states += part->reduced.states.num_states;
         if (part->reduced.num_unknowns > largest->num_unknowns) largest = &part->reduced;
     }
-    return (online_properties){.num_inner = grid->num_inner,
-                               .num_nodes = grid->num_nodes,
-                               .num_lines = grid_whole(grid).inner_lines,
-                               .x_min = grid->x_min,
-                               .step = grid->step,
+    return (online_properties){.num_nodes = grid->num_nodes,
                                .discretization = discretization_name(grid->discretization),
                                .boundary = boundary_name(grid->boundary),
-                               .deformation = deformation_names[largest->deformation],
                                .transport = transport_name(largest->carriage.transport),
                                .pressure_modes = largest->num_pressure,
                                .deformation_modes = largest->num_deformation,
                                .unknowns = largest->num_unknowns,
                                .rows = largest->rows.num_rows,
-                               .needed_nodes = largest->rows.num_needed,
                                .states = num_states,
                                .parts = self->num_parts,
                                .checked = checked,

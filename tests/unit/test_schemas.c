@@ -2,8 +2,8 @@
 /* Checks that the pages in schemas/ show the tables of the code, and that the tables are
  * consistent. With UPDATE_SCHEMAS=1 in the environment, this test first writes the tables into the
  * pages. The page scene.md belongs to test_settings. */
-#include "common/artefact/artefact.h"
 #include "tests/unit/check.h"
+#include "tests/unit/schema_page.h"
 
 #include <ctype.h>
 #include <stdlib.h>
@@ -33,7 +33,7 @@ static char *table_of(const artefact_schema *schema) {
     char *text = NULL;
     size_t size = 0;
     FILE *stream = open_memstream(&text, &size);
-    artefact_print_markdown(schema, stream);
+    schema_page_print(schema, stream);
     fclose(stream);
     return text;
 }

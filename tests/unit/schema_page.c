@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Prints schema tables as the pages in schemas/ show them. */
+#include "tests/unit/schema_page.h"
+
 #include "common/artefact/internal.h"
 
 static const char *need_text(artefact_need need) {
@@ -63,7 +64,7 @@ static void print_attributes(const artefact_attribute *entry, FILE *stream) {
     }
 }
 
-void artefact_print_markdown(const artefact_schema *schema, FILE *stream) {
+void schema_page_print(const artefact_schema *schema, FILE *stream) {
     fprintf(stream, "`schema_name` = `%s`, `schema_version` = `%d.%d`\n\n", schema->name,
             schema->major, schema->minor);
     print_axes(schema->axes, stream);
