@@ -21,6 +21,7 @@
 #include "fullrun/continuation.h"
 #include "fullrun/formulas.h"
 #include "fullrun/full_march.h"
+#include "fullrun/full_result.h"
 #include "fullrun/full_solver.h"
 #include "fullrun/judge.h"
 #include "fullrun/resolution.h"
@@ -116,23 +117,9 @@ static ehd_status load_start(full_state *state, double *film, const ehd_contact 
 
 static run_result make_result(const full_info *info, const full_state *state,
                               const ehd_contact *contact, bool with_fields) {
-    contact_scalars scalars = full_evaluate_scalars(state, contact);
-    run_result result = {.pressure = with_fields ? state->pressure : NULL,
-                         .film = with_fields ? state->film : NULL,
-                         .central_film_thickness = scalars.central_film_thickness,
-                         .minimum_film_thickness = scalars.minimum_film_thickness,
-                         .central_pressure = scalars.central_pressure,
-                         .rigid_approach = scalars.rigid_approach,
-                         .exit_position = scalars.exit_position,
-                         .load = scalars.load,
-                         .newton_iterations = info->newton_iterations,
-                         .residual = info->residual,
-                         .indicated_deviation = NAN,
-                         .indicated_deviation_minimum = NAN,
-                         .seconds = info->seconds,
-                         .seconds_rows = info->seconds_rows,
-                         .seconds_linear = info->seconds_linear,
-                         .seconds_exit = NAN};
+    run_result result = full_result(info, state, contact, with_fields);
+
+    result.indicated_deviation = result.indicated_deviation_minimum = NAN;
     result.status = full_judge(result.reason, info, state, contact);
     return result;
 }
@@ -143,12 +130,6 @@ static full_settings make_settings(const fullrun_options *options) {
     settings.tolerance = options->tolerance;
     settings.threads = options->threads;
     return settings;
-}
-
-static int compare_seconds(const void *left, const void *right) {
-    double a = ((const full_info *)left)->seconds, b = ((const full_info *)right)->seconds;
-
-    return (a > b) - (a < b);
 }
 
 /* Solves the contact as many times as --repeat gives. With --start each solution starts from
@@ -166,10 +147,7 @@ static ehd_status solve_again(full_info *info, full_state *state, full_solver *s
         status = options->start ? full_solve_from(&runs[i], state, solver, contact, error)
                                 : full_solve_cold(&runs[i], state, solver, contact, error);
     }
-    if (!status) {
-        qsort(runs, repeats, sizeof *runs, compare_seconds);
-        *info = runs[repeats / 2];
-    }
+    if (!status) *info = full_median_run(runs, repeats);
     free(runs);
     return status;
 }
@@ -308,25 +286,6 @@ static void print_start(const char *path, double film, const run_result *result)
            film / result->central_film_thickness - 1);
 }
 
-/* Lists X of the exit on each grid line in a new array. For a line contact *exits is NULL.
- * EHD_MEMORY. */
-static ehd_status make_exits(double **exits, const full_state *state, const ehd_contact *contact,
-                             ehd_error *error) {
-    const ehd_grid *grid = &contact->grid;
-
-    *exits = NULL;
-    if (contact->kind->dimensions == 1) return EHD_OK;
-    size_t *columns = malloc(grid_lines(grid) * sizeof *columns);
-    *exits = malloc(grid_whole(grid).inner_lines * sizeof **exits);
-    ehd_status status = columns && *exits ? EHD_OK : ehd_no_memory(error, "exit");
-    if (!status) {
-        grid_exit_columns(columns, state->pressure, grid);
-        grid_exits(*exits, columns, grid);
-    }
-    free(columns);
-    return status;
-}
-
 /* A stationary scene on one grid, from its settings to its solution. */
 typedef struct stationary_run {
     const program *caller;
@@ -362,7 +321,7 @@ static ehd_status solve_stationary(stationary_run *self, ehd_error *error) {
     char unused[JUDGE_REASON];
     ehd_status status = solve(&self->info, &self->state, self->caller, contact, options, error);
 
-    if (!status) status = make_exits(&self->exits, &self->state, contact, error);
+    if (!status) status = full_exits(&self->exits, &self->state, &contact->grid, error);
     if (!status)
         program_detail(self->caller, "%zu Newton and %zu GMRES iterations",
                        self->info.newton_iterations, self->info.gmres_iterations);

@@ -2,6 +2,7 @@
 #include "romrun/calibrate/fallback.h"
 
 #include "common/program/program.h"
+#include "fullrun/full_result.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -69,12 +70,6 @@ static ehd_status solve_once(fallback *self, full_solver *solver, const full_sta
     return status;
 }
 
-static int compare_seconds(const void *left, const void *right) {
-    const double a = ((const full_info *)left)->seconds, b = ((const full_info *)right)->seconds;
-
-    return (a > b) - (a < b);
-}
-
 /* Solves `repeats` times. self->info becomes the info of the solution with the median time. */
 static ehd_status solve(fallback *self, full_solver *solver, const full_state *first,
                         const ehd_contact *contact, size_t repeats, ehd_error *error) {
@@ -85,28 +80,9 @@ static ehd_status solve(fallback *self, full_solver *solver, const full_state *f
         status = solve_once(self, solver, first, contact, error);
         runs[i] = self->info;
     }
-    if (!status) {
-        qsort(runs, repeats, sizeof *runs, compare_seconds);
-        self->info = runs[repeats / 2];
-    }
+    if (!status) self->info = full_median_run(runs, repeats);
     free(runs);
     return status;
-}
-
-/* Sets self->exits: X of the exit on each grid line. */
-static ehd_status make_exits(fallback *self, const ehd_grid *grid, ehd_error *error) {
-    size_t *columns = calloc(grid_lines(grid), sizeof *columns);
-
-    self->exits = calloc(grid_whole(grid).inner_lines, sizeof *self->exits);
-    if (!columns || !self->exits) {
-        free(columns);
-        return ehd_no_memory(error, "exits");
-    }
-    grid_exit_columns(columns, self->state.pressure, grid);
-    grid_exits(self->exits, columns, grid);
-    if (grid->inner_lines == 1) self->exits[0] = full_exit_position(&self->state, grid);
-    free(columns);
-    return EHD_OK;
 }
 
 ehd_status fallback_solve(fallback *self, online_solver *solver, const online_result *result,
@@ -127,31 +103,17 @@ ehd_status fallback_solve(fallback *self, online_solver *solver, const online_re
     if (!status)
         status = full_solver_create(&full, contact->kind, &contact->grid, &settings, error);
     if (!status) status = solve(self, full, converged ? &first : NULL, contact, repeats, error);
-    if (!status) status = make_exits(self, &contact->grid, error);
+    if (!status) status = full_exits(&self->exits, &self->state, &contact->grid, error);
     full_solver_free(full);
     full_state_free(&first);
     return status;
 }
 
 run_result fallback_result(const fallback *self, const ehd_contact *contact, bool with_fields) {
-    const contact_scalars scalars = full_evaluate_scalars(&self->state, contact);
-    run_result result = {.pressure = with_fields ? self->state.pressure : NULL,
-                         .film = with_fields ? self->state.film : NULL,
-                         .exits = self->exits,
-                         .central_film_thickness = scalars.central_film_thickness,
-                         .minimum_film_thickness = scalars.minimum_film_thickness,
-                         .central_pressure = scalars.central_pressure,
-                         .rigid_approach = scalars.rigid_approach,
-                         .exit_position = scalars.exit_position,
-                         .load = scalars.load,
-                         .newton_iterations = self->info.newton_iterations,
-                         .residual = self->info.residual,
-                         .status = self->status,
-                         .seconds = self->info.seconds,
-                         .seconds_rows = self->info.seconds_rows,
-                         .seconds_linear = self->info.seconds_linear,
-                         .seconds_exit = NAN};
+    run_result result = full_result(&self->info, &self->state, contact, with_fields);
 
+    result.exits = self->exits;
+    result.status = self->status;
     memcpy(result.reason, self->reason, sizeof self->reason);
     return result;
 }

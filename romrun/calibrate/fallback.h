@@ -15,7 +15,7 @@ typedef struct fallback {
     full_state state;
     full_info info;    // info of the solution with the median time
     bool from_reduced; // true: started from the reduced solution; false: cold start
-    double *exits;     // [lines of the whole grid] X of the exit
+    double *exits;     // [lines of the whole grid] X of the exit; NULL for a line contact
     ehd_status status; // outcome of full_judge: EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
     char reason[JUDGE_REASON];
 } fallback;

@@ -67,8 +67,10 @@ static void check_solution(const fallback *found, const ehd_contact *contact) {
     const run_result result = fallback_result(found, contact, true);
     const contact_scalars scalars = full_evaluate_scalars(&expected.state, contact);
     check_close(result.central_film_thickness, scalars.central_film_thickness, 1e-8, 0);
-    check_close(result.exits[grid_whole(&contact->grid).inner_lines / 2], scalars.exit_position, 0,
-                1e-8);
+    check_close(result.exit_position, scalars.exit_position, 0, 1e-8);
+    if (result.exits)
+        check_close(result.exits[grid_whole(&contact->grid).inner_lines / 2], scalars.exit_position,
+                    0, 1e-8);
     check_close(result.indicated_deviation, 0, 0, 0);
     check_close(result.indicated_deviation_minimum, 0, 0, 0);
     assert_int_equal(result.status, EHD_OK);
