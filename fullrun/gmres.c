@@ -326,19 +326,22 @@ static void assemble_near_field(full_system *system) {
     work->row_start[num_passive] = count;
 }
 
-/* Computes the row of a node for a multigrid cycle. The near field reaches one column beyond each end
- * of the row. The entries of these columns are added to the first and last entries of the row.
- * Without them, differences along the line lack some of their nodes, and solutions of the line grow
- * or fade downstream: for M = 200, L = 20 and 256 cells a side GMRES takes 197 instead of 109
- * iterations (test_full_point.c, fine_grids_take_few_iterations). */
+/* Columns beyond each end of a multigrid row that have entries: the stencil of accurate rows
+ * reaches one column beyond the row, and the near field of the kernel reaches one column more. */
+enum { CYCLE_WIDER = 2 };
+
+/* Computes the row of a node for a multigrid cycle. The entries of columns beyond the row are added
+ * to its first and last entries. Without them, differences along the line lack some of their nodes,
+ * and solutions of the line grow or fade downstream: for M = 200, L = 20 and 256 cells a side GMRES
+ * takes 197 instead of 109 iterations. */
 static void fill_cycle_row(double *values, double *approach, const full_system *system,
                            size_t node) {
     const ehd_grid *grid = system->grid;
     const ptrdiff_t width = (ptrdiff_t)grid_width(grid);
     const ptrdiff_t line = (ptrdiff_t)node / width, column = (ptrdiff_t)node % width;
     const double scale = system->row_scale[grid_row_of_node(grid, node)];
-    double window[CYCLE_LINES * (CYCLE_COLUMNS + 2)];
-    const reach at = near_row(window, approach, system, node, 1);
+    double window[CYCLE_LINES * (CYCLE_COLUMNS + 2 * CYCLE_WIDER)];
+    const reach at = near_row(window, approach, system, node, CYCLE_WIDER);
     const double *next = window;
 
     for (ptrdiff_t l = at.first_line; l <= at.last_line; l++) {

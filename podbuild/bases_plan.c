@@ -5,7 +5,6 @@
  * Called by main.c (bases_plan_make) and by bases.c (bases_plan_at_once). */
 #include "podbuild/bases_plan.h"
 
-#include <float.h>
 #include <math.h>
 
 /* Fraction of the square root of the allowed energy (bases_plan.h; stream.bats, "a small limit:
@@ -25,6 +24,10 @@ static const double DROPPED_SHARE = 0.2;
  * than fits in memory). */
 static const double EXACT_ENERGY = 4e-20;
 
+/* Lower limit of the local energy. A smaller energy is only round-off (README.md, More than fits
+ * in memory). */
+static const double LEAST_LOCAL = 1e-28;
+
 /* Sets the energies that a stream may omit. For a part file, half of the square root of its allowed
  * energy is for the distance of the snapshots from the directions, and half for omitted modes. */
 static void share_energy(bases_plan *plan, const bases_settings *settings) {
@@ -32,9 +35,7 @@ static void share_energy(bases_plan *plan, const bases_settings *settings) {
     const double local = settings->as_part ? 0.5 : SMALL_SHARE;
 
     plan->energy = settings->exact ? EXACT_ENERGY : settings->pressure.discarded_energy;
-    plan->stream.local_energy =
-        fmax(local * local * part * plan->energy, DBL_EPSILON * DBL_EPSILON); // round-off
-
+    plan->stream.local_energy = fmax(local * local * part * plan->energy, LEAST_LOCAL);
     plan->stream.dropped_energy = DROPPED_SHARE * (1 - local) * (1 - local) * part * plan->energy;
 }
 

@@ -15,7 +15,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdio.h>
 
 enum { ARTEFACT_MAX_RANK = 4, ARTEFACT_MAX_NODES = 100000000 };
 

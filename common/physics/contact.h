@@ -242,7 +242,8 @@ typedef struct ehd_contact {
     grid_extent grid_given; // as given in the scene; NaN: not given
     ehd_lubricant lubricant;
     double lambda;      // dimensionless, in the Reynolds equation, eq. 7 of Maier et al. 2015
-    double entrainment; // dimensionless, U in eq. 7; 1: stationary, 0: transport along the path
+    double entrainment; // U in eq. 7, dimensionless speed; 1 in a stationary contact, 0 with
+                        // transport along the path, which contains the entrainment
     double far_speed;   // dimensionless, U of the far field. It stays the current U with transport
                         // along the path, where `entrainment` is 0
     inlet_tail tail;    // inlet upstream of the grid of a line contact; zeros: not included

@@ -10,10 +10,9 @@
 typedef struct grid_rule {
     double coarsest;     // step, unless the film is thick; finer steps are 1/2, 1/4 ... of this
                          // step
-    double thick;        // largest step over sqrt(2 H) up to which the step is doubled for thick
-                         // films
-    double around;       // largest step over sqrt(2 H), unless this step is below FINEST_AROUND
-    double steps;        // largest step over the width of the inlet, H^(2/3)
+    double thick;        // for thick films the step is doubled while step/sqrt(2 H) is at most this
+    double around;       // largest step/sqrt(2 H); a step of FINEST_AROUND is always allowed
+    double steps;        // largest step, divided by the width of the inlet, H^(2/3)
     double inlet_effect; // largest effect of the missing inlet on the central film
     double load_effect;  // largest effect of the load beyond the domain on the central film
     double far_terms;    // largest size, at x_min, of the terms that the far field omits

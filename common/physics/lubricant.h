@@ -113,7 +113,7 @@ const law_parameter *law_key(const lubricant_law *law, const char *key);
  * number. Stored scenes also use this order, so the order must not change. */
 const law_parameter *laws_key(const lubricant_law *const *laws, size_t slot);
 
-/* Returns the number of a key, or MAX_LAW_KEYS if the key has no number. */
+/* Returns the index of the number that a key sets, or MAX_LAW_KEYS if the key sets no number. */
 size_t laws_slot(const lubricant_law *const *laws, const char *key);
 
 /* Returns the default that all laws with this key share, or NULL. */

@@ -257,7 +257,9 @@ static bool wlf_is_beyond(const double *constants, double pressure) {
  * viscosity has a maximum where y stops falling, and a pole where C2 + y reaches zero. The limit is
  * the smaller of these two pressures, or 100 GPa if both are larger. */
 static double wlf_pressure_limit(const double *constants) {
-    const double max = 1e11; // Bounds of the limit, Pa
+    // largest limit, Pa; no contact has such pressures (test_lubricant.c,
+    // wlf_coefficients_and_limits)
+    const double max = 1e11;
     double low = 0, high = max;
 
     if (!wlf_is_beyond(constants, max)) return max;

@@ -321,8 +321,9 @@ static ehd_status choose_mode(program *self, size_t mode, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Removes the word of a mode from the arguments, and chooses this mode. Appends `last`, the
- * argument of the option that chose the mode, if there is one. */
+/* If the first argument is the word of a mode, removes it and chooses this mode. An option may have
+ * chosen a mode before; `last` is then the argument of this option, and is appended to the
+ * arguments. */
 static ehd_status take_mode(program *self, const char *last, ehd_error *error) {
     const program_mode *mode = self->modes;
     ehd_status status = EHD_OK;

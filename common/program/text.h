@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads numbers strictly from text, and makes text safe to show in a message. */
+/* Reads numbers strictly from text, and makes text safe to show in a message or to print in XML. */
 #ifndef EHD_TEXT_H
 #define EHD_TEXT_H
 

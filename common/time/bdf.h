@@ -65,7 +65,8 @@ void bdf_ring_accept(bdf_ring *ring, double time, double least);
  * state being solved. A passing state counts as the last accepted state. */
 size_t bdf_ring_accepted(const bdf_ring *ring, size_t steps);
 
-/* Lets the next step begin at the passing state after all. Drops the oldest state. */
+/* Makes the passing state a regular state, so that the next time step begins at it. Drops the
+ * oldest state. */
 void bdf_ring_promote(bdf_ring *ring);
 
 /* Drops all accepted states except the last one. */

@@ -42,9 +42,9 @@ static const double MAX_GROWTH = 2;
  * scenes/examples/line-in-time. */
 static const double SHRINK = 0.25;
 
-/* Ratio of a step to the step at which the local error would equal the tolerance. Number of
- * attempts of scenes/examples/line-in-time at a step of 0.02: 63 with a ratio of 0.85, 67 with 0.6,
- * and 71 with 1. With upwind transport these numbers are 181, 234 and 204 (test_march.c,
+/* Ratio of a time step to the time step at which the local error would equal the tolerance. Number
+ * of attempts of scenes/examples/line-in-time on a grid of step 0.02: 63 with a ratio of 0.85, 67
+ * with 0.6, and 71 with 1. With upwind transport these numbers are 181, 234 and 204 (test_march.c,
  * tolerance_controls_the_error). */
 static const double SAFETY = 0.85;
 
@@ -58,10 +58,12 @@ static const double NOISE_KEPT = 0.9;
  * ends too late (test_march.c, step_size_underflows, crawling_ends). */
 enum { WATCHED_ATTEMPTS = 3000, STILL_ATTEMPTS = 100 };
 
-/* Relative round-off of a point in time, which is a sum of time steps. If this number is 0, steps
- * become too short to change the time (test_march.c, step_size_ends_above_rounding). If it is
- * 1e-10, fixed steps fail late in time (test_march.c, fixed_steps_go_on_late_in_time). */
-static const double SUM_ROUNDING = 8 * DBL_EPSILON;
+/* MIN_STEP: shortest time step, divided by the first time step. A value of 1e-3 is too large for
+ * test_march.c, crawling_ends. SUM_ROUNDING: relative round-off of a point in time, which is a sum
+ * of time steps. If it is 0, steps become too short to change the time (test_march.c,
+ * step_size_ends_above_rounding). If it is 1e-10, fixed steps fail late in time (test_march.c,
+ * fixed_steps_go_on_late_in_time). */
+static const double MIN_STEP = 1e-9, SUM_ROUNDING = 8 * DBL_EPSILON;
 
 /* Longest step while the bodies are apart, as a fraction of the shortest time scale of the smooth
  * histories; the time scale of a sine is 1/(2 pi) of its period. No error estimate limits these
@@ -228,7 +230,7 @@ static double step_of_surface(const march *self) {
     if (!surface || !isnan(self->settings.fixed_step)) return step;
     const contact_frame frame = march_frame(&self->settings, self->reference->kind, self->histories,
                                             state->time, state->forecast.load);
-    for (int i = 0; i < DBL_MANT_DIG; i++) { // then nothing of the step is left
+    for (int i = 0; i < DBL_MANT_DIG; i++) { // then the step is round-off
         const double path = histories_path(self->histories, state->time + step) - frame.path;
         const double longest =
             surface_longest_path(surface, &frame, &self->reference->grid, path < 0);
@@ -309,10 +311,10 @@ static double error_after_kink(const march *self, const march_step *outcome) {
     return local_error * fmax(part / smooth, 1);
 }
 
-/* Returns the length of a time step below which the march ends, because the step is lost in the
- * round-off of the time. */
+/* Returns the length of a time step below which the march ends. Shorter steps hardly advance the
+ * march, or are lost in the round-off of the time. */
 static double min_step(const march *self) {
-    return SUM_ROUNDING * fmax(self->settings.first_step, self->state.time);
+    return fmax(MIN_STEP * self->settings.first_step, SUM_ROUNDING * self->state.time);
 }
 
 static bool is_along_path(const march *self) {

@@ -8,10 +8,10 @@
 
 // ---- the ladder
 
-/* Numbers of modes in the ladder, the list of sizes. MIN_MODES: smallest number. STRIDES_A_DOUBLING:
- * number of strides in which the number of modes doubles. In the last doubling, among the accurate
- * sizes, the strides are halved (README.md, Calibration and the accuracy dial; test_trade.c,
- * the_ladder_goes_from_ten_modes_to_all). */
+/* Numbers of modes in the ladder, the list of sizes. MIN_MODES: smallest number.
+ * STRIDES_A_DOUBLING: number of strides in which the number of modes doubles. In the last
+ * doubling, among the accurate sizes, the strides are halved (README.md, Calibration and the
+ * accuracy dial; test_trade.c, the_ladder_goes_from_ten_modes_to_all). */
 static const double MIN_MODES = 10;
 static const size_t STRIDES_A_DOUBLING = 2;
 static const double ROWS_PER_MODE[] = {1.2, 1.5, 2, 3, INFINITY}; // INFINITY: all stored rows

@@ -141,8 +141,8 @@ static ehd_status gather_needed(reduced_model *model, row_set *set, const reduce
     return set->pressure && set->film ? EHD_OK : ehd_no_memory(error, "reduced model");
 }
 
-/* Checks that there is memory for the left sides (nodes of the band times needed nodes). For a
- * point contact with all rows this is the largest table. */
+/* Checks that there is memory for cut.left, a number for each node of the band and each needed
+ * node. For a point contact with all rows this is the largest table. */
 static ehd_status check_cut_memory(const reduced_model *model, ehd_error *error) {
     const double rows = (double)model->cut.num_rows, nodes = (double)model->band.num_nodes;
     const double modes = (double)(2 * model->num_pressure + model->num_deformation);
@@ -151,7 +151,8 @@ static ehd_status check_cut_memory(const reduced_model *model, ehd_error *error)
                                 "nodes of the band", "", 8 * (nodes * (rows + modes)), error);
 }
 
-/* Fills the bases in the band, and the cut table. */
+/* Sets the rows of both bases at the nodes of the band, in which the exit may lie, and the tables
+ * that subtract the film of pressures behind the exit (reduced_cut.h). */
 static ehd_status fill_cut(reduced_model *model, const reduced_basis *basis,
                            ehd_deflection *deflection, const double *coupled, double *work,
                            ehd_error *error) {

@@ -34,18 +34,20 @@ ehd_status weighting_plain(double *factors, const double *sampled, size_t num_ro
 /* Solves min w^T C w / 2 - g^T w with w >= min_weight by projected Gauss-Seidel, which converges
  * because the problem is convex. On the models of the examples, the sweeps after the tenth change
  * the largest film error by less than 1 %. The loop ends after 20 to 600 sweeps. Only one selection
- * (112 rows of a line contact, method `exits`) takes 5000 sweeps. `w`: initial values, then
+ * (112 rows of a line contact, method `exits`) would take 5000 sweeps. `w`: initial values, then
  * the solution. `slope`: C w - g, which is updated only when a weight changes, so that rows that
  * stay at the bound cost nothing. */
 static void solve_bounded(double *w, double *slope, const double *matrix, size_t size,
                           double min_weight) {
-    // The sweeps end when the largest change of a weight, divided by the largest weight, is at most
-    // this number. If it is 0.1, the result is not the minimum (test_weighting.c,
+    // `enough`: the sweeps end when the largest change of a weight, divided by the largest weight,
+    // is at most this number. `max_sweeps`: largest number of sweeps. If `enough` is 0.1, or if
+    // there are only two sweeps, the result is not the minimum (test_weighting.c,
     // weights_are_those_of_the_minimum).
     const double enough = 1e-6;
+    const size_t max_sweeps = 2000;
     double change = INFINITY, largest = 0;
 
-    while (change > enough * largest) {
+    for (size_t sweep = 0; sweep < max_sweeps && change > enough * largest; sweep++) {
         change = largest = 0;
         for (size_t r = 0; r < size; r++) {
             const double *row = matrix + r * size;

@@ -504,8 +504,8 @@ static ehd_status find_load(reduced_info *info, reduced_march *self, contact_fra
 static ehd_status walk_to_approach(reduced_info *info, reduced_march *self, contact_frame *frame,
                                    ehd_error *error) {
     // `near`: error of the approach from which on find_load takes over, in central films.
-    // `first_stride`, `longest_stride`: first and largest change of ln(load) from one load to the next
-    // (test_online_transient.c, a_start_from_an_approach_finds_its_load).
+    // `first_stride`, `longest_stride`: first and largest change of ln(load) from one load to the
+    // next (test_online_transient.c, a_start_from_an_approach_finds_its_load).
     const double near = 0.1, first_stride = 0.05, longest_stride = 0.2;
     double stride = 0, before = 0;
 
@@ -980,9 +980,9 @@ static void add_filter_errors(reduced_march *self, const contact_frame *now) {
 }
 
 /* Carries the accumulated errors of the films along with the fluid, and adds the errors of the
- * attempt. Then sets `effect` and `effect_minimum` as the full model does: the relative changes of
- * the films that infinitely small steps would make. With upwind transport these changes are not
- * known. */
+ * attempt. Then sets `effect` and `effect_minimum`, as the full model does. They are the relative
+ * differences between the films that infinitely small time steps would give and these films. With
+ * upwind transport these differences are not known. */
 static void set_effects(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
     const contact_scalars *scalars = &outcome->scalars;
     const previous_film *next = state_before(self, 0);

@@ -25,10 +25,10 @@ typedef struct reduced_settings {
     // fraction; default 1e-8
     double tolerance;
     size_t max_iterations; // default 40
-    // distance between the grid lines of a point contact on which the exit is searched for, half
-    // widths. The exits of the other lines are interpolated (Maier et al. (2015), section 3.3). 0,
-    // the default: all lines are searched, since interpolation needs more iterations and saves no
-    // time.
+    // In a point contact the exit is searched for on grid lines at this distance from each other,
+    // half widths. The exits of the other lines are interpolated (Maier et al. (2015), section
+    // 3.3). 0, the default: all lines are searched, since interpolation needs more iterations and
+    // saves no time.
     double exit_spacing;
     bool exit_at_node; // true: each exit is a node, as in transient runs; false: an exit may lie
                        // between nodes (exit_is_within_node)

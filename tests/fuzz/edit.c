@@ -369,8 +369,8 @@ static void edit_link(const edited *self) {
 const char *const edit_attributes[] = {"real",  "integer", "text", "fixed",
                                        "array", "empty",   "none", NULL};
 
-/* Joins the words from the fourth on, with \s as a space and \n as the end of a line. The caller
- * frees the text. */
+/* Joins the fourth and all later words without a separator. Replaces \s by a space and \n by the
+ * end of a line. The caller frees the text. */
 static char *joined(const edited *self) {
     char *text = calloc(1, MAX_TEXT + MAX_WORDS);
     size_t length = 0;

@@ -104,10 +104,11 @@ static void solve_on(own_steps *self, size_t s) {
 
 // ---- an exit that is fixed after oscillating
 
-/* A linear solver that makes the last pressure before the exit alternately negative and positive
- * until the exit is fixed. After that it solves the least-squares problem. The changes are small,
- * because the exit is not searched far from the solution. Each change is also less than 0.6 of the
- * previous change; otherwise the exit would be fixed at once. */
+/* A linear solver makes the last pressure before the exit alternately negative and positive until
+ * the search holds the exit at its node. After that it solves the least-squares problem. These are
+ * the changes of the pressure. They are small, because the exit is searched for only near the
+ * solution. Each change is at most 0.6 times the one before; otherwise the exit would be held at
+ * once. */
 static const double SWINGS[] = {3e-3, -1.8e-3, 9e-4, -5e-4, 2e-4, -1e-4};
 enum { NUM_SWINGS = sizeof SWINGS / sizeof *SWINGS };
 

@@ -170,9 +170,9 @@ static void grids_are_fine_and_wide_enough(void **state) {
         check_just_enough("line", &cases[i]);
 }
 
-/* For a point contact of low M and L with zero pressure around the grid, the load beyond the domain
- * determines the length of the domain. With half of this length the film is 1.5 % off the films of
- * points_with_the_far_field. */
+/* Zero pressure around the grid neglects the load beyond the grid. For a point contact of low M
+ * and L this load determines how long the grid must be. On a grid of half this length the film
+ * differs by 1.5 % from the film of points_with_the_far_field. */
 static void points_count_the_load_beyond(void **state) {
     (void)state;
     const double central = 0.26890, smallest = 0.19779;

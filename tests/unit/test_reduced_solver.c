@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static trained training;      // 301 nodes, a checkpoint every second node
+static trained training;      // 301 nodes; sums of the cut are stored at every second one
 static reduced_basis coupled; // as many modes as the training spans
 static reduced_basis independent;
 

@@ -104,8 +104,8 @@ typedef enum input {
     SET,       // a --set for the good scene
     POINT,     // a --set for a good point contact
     PLAN,
-    GROUP,    // keys of the only group of a plan
-    HISTORIES // keys below "histories" of the only group of a plan
+    GROUP,    // keys of the group of a plan with one group
+    HISTORIES // keys below "histories" in this group
 } input;
 
 /* The rest of the file, for each kind of text. */
