@@ -4,6 +4,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 artefact *artefact_new(const char *path) {
@@ -235,6 +236,23 @@ static hid_t memory_type(artefact_type type) {
     return type == ARTEFACT_REAL ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
 }
 
+/* Reads the numbers of a selection. If another process writes the file, it may be rewriting their
+ * chunk, whose checksum is then wrong. The chunk of an unfinished file is therefore read again
+ * (print.bats, "every look at a result that grows prints it"). */
+static bool read_selection(const artefact *file, const selection *of, artefact_type type,
+                           void *data) {
+    const struct timespec pause = {.tv_nsec = 10000000};
+    int left = file->growing && !file->partial ? 10 : 0; // attempts after the first one
+
+    while (H5Dread(of->dataset, memory_type(type), of->memory_space, of->file_space, H5P_DEFAULT,
+                   data) < 0) {
+        if (left-- == 0) return false;
+        nanosleep(&pause, NULL);
+        if (H5Drefresh(of->dataset) < 0) return false;
+    }
+    return true;
+}
+
 ehd_status read_entries(artefact *file, const char *name, artefact_type type, size_t first,
                         size_t count, void *data, size_t room, ehd_error *error) {
     hdf5_start();
@@ -249,8 +267,7 @@ ehd_status read_entries(artefact *file, const char *name, artefact_type type, si
             status = ehd_fail(error, EHD_DATA, "%s: %s: found %lld numbers, expected %zu",
                               shown_name(file), name, (long long)found, room);
     }
-    if (!status && H5Dread(of.dataset, memory_type(type), of.memory_space, of.file_space,
-                           H5P_DEFAULT, data) < 0)
+    if (!status && !read_selection(file, &of, type, data))
         status = hdf5_read_failed(file, name, error);
     release_selection(&of);
     return status;
