@@ -582,10 +582,11 @@ static const int MAX_HALVINGS = 10;
 static const double SMALL_RESIDUALS = 1e-2;
 
 /* Takes a Newton step. Halves the step until the film is positive and the residuals are smaller
- * than the largest residuals so far. The search must allow residuals to grow, since the first
- * Newton steps from a film that is too thick increase them (L. Grippo, F. Lampariello, S. Lucidi,
- * SIAM J. Numer. Anal. 23, 1986). The shortest step is taken if its film is positive, even if
- * residuals grow. EHD_NOT_CONVERGED, with info->reason: there is no Newton step. */
+ * than the largest residuals from which a step of this solution has started. From one step to the
+ * next the residuals may thus grow, as they do in the first steps from a film that is too thick (L.
+ * Grippo, F. Lampariello, S. Lucidi, SIAM J. Numer. Anal. 23, 1986). After MAX_HALVINGS halvings a
+ * step with a positive film is taken whatever its residuals. If the film is not positive, or if
+ * there is no Newton step, returns EHD_NOT_CONVERGED and sets info->reason. */
 static ehd_status take_step(full_info *info, full_state *state, full_solver *self,
                             const ehd_contact *contact, const reynolds_squeeze *squeeze,
                             ehd_error *error) {

@@ -75,21 +75,22 @@ typedef ehd_status full_linear_solver(full_system *system, double tolerance, siz
 typedef void full_watcher(void *context, const ehd_grid *grid, size_t iteration, double residual);
 
 typedef struct full_settings {
-    double tolerance;                 // limit of the largest scaled residual; default 1e-10
-    size_t max_iterations;            // limit of Newton iterations in one solution; default 60
-    size_t near_field;                // m: the preconditioner keeps the kernel's values within m
-                                      // nodes; default 8, on a point contact at most 1
-    double linear_tolerance;          // relative tolerance of GMRES; default 1e-8
+    double tolerance;        // limit of the largest scaled residual; default 1e-10
+    size_t max_iterations;   // limit of Newton iterations in one solution; default 60
+    size_t near_field;       // the preconditioner uses the kernel only up to this distance in
+                             // nodes; default 8, in a point contact at most 1
+    double linear_tolerance; // relative tolerance of GMRES; default 1e-8
     full_linear_solver *solve_linear; // default full_solve_gmres
-    bool exit_at_node;                // all exits are at nodes, as in transient runs; default
-                                      // false: exits of stationary contacts are at nodes only if
-                                      // exit_is_within_node is false
-    bool as_large;                    // solves point contacts of any size like large contacts; used
-                                      // for the coarser grids of a large contact; default false
-    team *threads;                    // threads that share the work on large grids, for one
-                                      // solution at a time. Any number of threads gives the same
-                                      // bits. NULL: one thread does all work
-    full_watcher *watcher;            // NULL: the iteration is not watched
+    // true: all exits are at nodes, as in transient runs. false, the default: an exit may lie
+    // between nodes if exit_is_within_node allows this for the grid
+    bool exit_at_node;
+    // true: also a small point contact is solved by the methods for large ones. This is used for
+    // the coarser grids of a large contact. Default false
+    bool as_large;
+    // These threads share the work of one solution on a large grid. The result does not depend on
+    // their number. NULL: one thread does all work
+    team *threads;
+    full_watcher *watcher; // NULL: the iteration is not watched
     void *watcher_context;
 } full_settings;
 

@@ -272,6 +272,11 @@ bool field_grows(const artefact *file, const artefact_field *field);
 
 bool field_exists(const artefact *file, const artefact_field *field);
 
+/* A file is opened beside its writer, and data are read beside it, in at most WRITER_ATTEMPTS
+ * attempts. wait_for_writer waits 10 ms before the next attempt. */
+enum { WRITER_ATTEMPTS = 50 };
+void wait_for_writer(void);
+
 /* Opens a dataset; close it with hdf5_release. While streaming, datasets on the growing axis stay
  * open internally, because every entry is written to all these datasets. Negative on failure. */
 hid_t open_dataset(artefact *file, const char *name);

@@ -8,7 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 // ---- opening
@@ -38,15 +37,13 @@ static const char has_writer[] = "already open for";
  * a new end of file but has not yet written up to this end, HDF5 finds the file too short. The
  * function then tries again. */
 static hid_t open_beside_writer(const char *path) {
-    enum { ATTEMPTS = 50 }; // half a second
-    const struct timespec pause = {.tv_nsec = 10000000};
     hid_t file = hdf5_open(path, H5F_ACC_RDONLY, false);
 
-    for (int i = 0; file < 0 && i < ATTEMPTS; i++) {
+    for (int i = 1; file < 0 && i < WRITER_ATTEMPTS; i++) {
         if (strstr(hdf5_last_reason().text, has_writer))
             return hdf5_open(path, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, false);
         if (!strstr(hdf5_last_reason().text, "truncated file")) return file;
-        nanosleep(&pause, NULL);
+        wait_for_writer();
         file = hdf5_open(path, H5F_ACC_RDONLY, false);
     }
     return file;

@@ -5,7 +5,6 @@
 #include "common/output/inputs.h"
 #include "common/output/result.h"
 #include "common/output/traction_output.h"
-#include "common/program/arena.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -349,12 +348,10 @@ static double **series_array(time_series *series, size_t index) {
 }
 
 static ehd_status allocate(time_series *series, const char *path, ehd_error *error) {
-    size_t count = series->num_times;
-    bool allocated = (series->time = array_new(count, 1, sizeof(double))) != NULL;
-
-    for (size_t i = 0; i < NUM_SERIES_REALS && allocated; i++)
-        allocated = (*series_array(series, i) = array_new(count, 1, sizeof(double))) != NULL;
-    return allocated ? EHD_OK : ehd_no_memory(error, path);
+    series->time = arena_array(&series->memory, series->num_times, sizeof(double));
+    for (size_t i = 0; i < NUM_SERIES_REALS; i++)
+        *series_array(series, i) = arena_array(&series->memory, series->num_times, sizeof(double));
+    return series->memory.failed ? ehd_no_memory(error, path) : EHD_OK;
 }
 
 static ehd_status get_time(time_series *series, artefact *file, ehd_error *error) {
@@ -413,8 +410,6 @@ ehd_status time_series_read(time_series *series, const char *path, const contact
 }
 
 void time_series_free(time_series *series) {
-    for (size_t i = 0; i < NUM_SERIES_REALS; i++)
-        free(*series_array(series, i));
-    free(series->time);
+    arena_free(&series->memory);
     memset(series, 0, sizeof *series);
 }

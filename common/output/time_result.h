@@ -6,6 +6,7 @@
 
 #include "common/artefact/artefact.h"
 #include "common/physics/traction.h"
+#include "common/program/arena.h"
 #include "common/program/program.h"
 #include "common/program/status.h"
 #include "common/settings/scene.h"
@@ -113,6 +114,7 @@ typedef struct time_series {
     double *central_pressure;
     double *load;
     double *friction_coefficient;
+    arena memory;
 } time_series;
 
 /* Reads the scalars of a result over time. Errors: see artefact_open. Also returns EHD_DATA for

@@ -202,8 +202,8 @@ static ehd_status clear(scene_source *source, place where, ehd_error *error) {
     scene_defaults(&none);
     memcpy(source->values.transient.vary, none.transient.vary, sizeof none.transient.vary);
     for (const setting *row = scene_settings(); row->key; row++) {
-        // what follows "transient." has a dot in the key of a history, and none in a key of the
-        // whole run such as transient.end_time
+        // the key of a history has two dots, as transient.load.law; other keys of this group have
+        // one dot, as transient.end_time
         const char *name = row->key + sizeof group - 1;
         if (strncmp(row->key, group, sizeof group - 1) != 0 || !strchr(name, '.')) continue;
         if (source_is_overridden(source, row))

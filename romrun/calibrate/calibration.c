@@ -4,6 +4,7 @@
 #include "common/physics/deflection.h"
 #include "common/physics/exit.h"
 #include "common/physics/laws.h"
+#include "common/program/arena.h"
 #include "common/program/program.h"
 #include "common/time/march.h"
 #include "romrun/calibrate/time_factors.h"
@@ -65,63 +66,42 @@ typedef struct samples {
     double *pressure, *film; // [num_nodes]
     double *full_film;       // [num_nodes]
     ehd_deflection *deflection;
+    arena memory;
 } samples;
 
 static void samples_free(samples *self) {
-    for (int q = 0; q < NUM_TRADE_QUANTITIES; q++)
-        free(self->deviation[q]);
-    free(self->bound);
-    free(self->bound_minimum);
-    free(self->indicated);
-    free(self->effectivity);
-    free(self->seconds);
-    for (int q = 0; q < NUM_INDICATED; q++) {
-        free(self->off[q]);
-        free(self->other_bound[q]);
-    }
-    free(self->friction_off);
-    free(self->friction_bound);
-    free(self->pressure);
-    free(self->film);
-    free(self->full_film);
+    arena_free(&self->memory);
     deflection_free(self->deflection);
 }
 
 static ehd_status samples_init(samples *self, const solved_scene *scenes, size_t num_scenes,
                                size_t num_nodes, ehd_error *error) {
-    bool complete = true;
-
     *self = (samples){0};
+    arena *memory = &self->memory;
+
     for (int q = 0; q < NUM_INDICATED; q++) {
-        self->off[q] = malloc((num_scenes + 1) * sizeof(double));
-        self->other_bound[q] = malloc((num_scenes + 1) * sizeof(double));
-        complete = complete && self->off[q] && self->other_bound[q];
+        self->off[q] = arena_array(memory, num_scenes, sizeof(double));
+        self->other_bound[q] = arena_array(memory, num_scenes, sizeof(double));
     }
-    self->friction_off = malloc((num_scenes + 1) * NUM_SLIDINGS * sizeof(double));
-    self->friction_bound = malloc((num_scenes + 1) * NUM_SLIDINGS * sizeof(double));
-    complete = complete && self->friction_off && self->friction_bound;
-    self->full_film = malloc(num_nodes * sizeof(double));
-    complete = complete && self->full_film;
+    for (int q = 0; q < NUM_TRADE_QUANTITIES; q++)
+        self->deviation[q] = arena_array(memory, num_scenes, sizeof(double));
+    self->friction_off = arena_table(memory, num_scenes, NUM_SLIDINGS, sizeof(double));
+    self->friction_bound = arena_table(memory, num_scenes, NUM_SLIDINGS, sizeof(double));
+    self->bound = arena_array(memory, num_scenes, sizeof(double));
+    self->bound_minimum = arena_array(memory, num_scenes, sizeof(double));
+    self->indicated = arena_array(memory, num_scenes, sizeof(double));
+    self->effectivity = arena_array(memory, num_scenes, sizeof(double));
+    self->seconds = arena_table(memory, num_scenes, REPEATS, sizeof(double));
+    self->pressure = arena_array(memory, num_nodes, sizeof(double));
+    self->film = arena_array(memory, num_nodes, sizeof(double));
+    self->full_film = arena_array(memory, num_nodes, sizeof(double));
     if (num_scenes > 0) {
         self->exits_are_nodes = !exit_is_within_node(&scenes->contact->grid);
         self->deflection = deflection_create(scenes->contact->kind, &scenes->contact->grid);
-        complete = complete && self->deflection;
     }
-    for (int q = 0; q < NUM_TRADE_QUANTITIES; q++) {
-        self->deviation[q] = malloc((num_scenes + 1) * sizeof(double));
-        complete = complete && self->deviation[q];
-    }
-    self->bound = malloc((num_scenes + 1) * sizeof(double));
-    self->bound_minimum = malloc((num_scenes + 1) * sizeof(double));
-    self->indicated = malloc((num_scenes + 1) * sizeof(double));
-    self->effectivity = malloc((num_scenes + 1) * sizeof(double));
-    self->seconds = malloc((num_scenes + 1) * REPEATS * sizeof(double));
-    self->pressure = malloc(num_nodes * sizeof(double));
-    self->film = malloc(num_nodes * sizeof(double));
-    if (complete && self->bound && self->bound_minimum && self->indicated && self->effectivity &&
-        self->seconds && self->pressure && self->film)
-        return EHD_OK;
-    return ehd_no_memory(error, "calibration");
+    if (memory->failed || (num_scenes > 0 && !self->deflection))
+        return ehd_no_memory(error, "calibration");
+    return EHD_OK;
 }
 
 static double relative(double reduced, double full) {

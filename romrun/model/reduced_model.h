@@ -29,14 +29,14 @@ extern const char *const deformation_names[]; // "independent", "coupled", NULL
  * define the trained range. */
 typedef struct reduced_states {
     size_t num_states;
-    size_t num_unknowns;     // n_p + n_delta + 1
-    double *coordinates;     // [num_states, num_unknowns]: pressure, deformation, rigid approach
-    size_t num_lines;        // number of grid lines, with the boundary lines of a point contact
-    size_t *exit;            // [num_states, num_lines] first column without pressure, where column
-                             // 0 is the boundary node; in a line contact column k is node k
-    double *moes_M;          // [num_states]
-    double *alpha_p_H;       // [num_states]
-    flow_thinning *thinning; // [num_states] thinning of the flow
+    size_t num_unknowns; // n_p + n_delta + 1
+    double *coordinates; // [num_states, num_unknowns]: pressure, deformation, rigid approach
+    size_t num_lines;    // number of grid lines, with the boundary lines of a point contact
+    size_t *exit; // [num_states, num_lines] column of the first node without pressure. Column 0 is
+                  // the boundary node at the upstream end of a grid line
+    double *moes_M;                 // [num_states]
+    double *alpha_p_H;              // [num_states]
+    flow_thinning *thinning;        // [num_states] thinning of the flow
     double *central_film_thickness; // [num_states]
     bool *stationary;               // [num_states] false: the state is from a trajectory
     // [num_states] rates of change of the contact (frame_rates). rate: the rate `all` at the state;

@@ -9,9 +9,9 @@
 #include "common/program/status.h"
 #include <stddef.h>
 
-/* Computes one positive factor for each row. `sampled`: the leading modes of the weighted Jacobian
- * products D J dz (deimselect/README.md), as many modes as unknowns, at the rows. Over all nodes
- * these modes are orthonormal. Errors: EHD_MEMORY. */
+/* Computes one positive factor for each selected row. `sampled` holds the POD modes of the products
+ * D J dz (deimselect/README.md) at these rows. There are as many modes as unknowns; over the rows
+ * of all nodes they are orthonormal. Errors: EHD_MEMORY. */
 typedef ehd_status weighting_function(
     // output:
     double *factors, // [num_rows]

@@ -23,12 +23,13 @@ SOLVED, NOT_CONVERGED, NOT_TRUSTED = 0, 3, 4
 # ---- Programs
 
 
-def run(program, *options, outcomes=(SOLVED, NOT_CONVERGED, NOT_TRUSTED)):
+def run(program, *options, outcomes=(SOLVED, NOT_CONVERGED, NOT_TRUSTED), limit=None):
     """Runs a program of the toolchain, or a program with a path. Returns the completed process (returncode, and stdout
-    and stderr as text). For an exit code outside of `outcomes`, prints the program's message and ends the script."""
+    and stderr as text). For an exit code outside of `outcomes`, prints the program's message and ends the script.
+    After `limit` seconds ends the program and raises subprocess.TimeoutExpired."""
     file = program if "/" in program else os.path.join(os.environ["BIN"], program)
     try:
-        done = subprocess.run([file, *map(str, options)], capture_output=True, text=True)
+        done = subprocess.run([file, *map(str, options)], capture_output=True, text=True, timeout=limit)
     except OSError as error:
         stop(f"{file}: found {error.strerror}, expected a program")
     if done.returncode not in outcomes:

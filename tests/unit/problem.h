@@ -25,8 +25,8 @@ void problem_rows_in_time(reynolds_row *rows, const problem *solved,
                           const reynolds_squeeze *squeeze);
 double row_size(const reynolds_row *row);
 
-/* A linear solver that computes each Newton step by GMRES and by dgesv, and checks that both
- * agree. */
+/* A linear solver for tests. Computes each Newton step by GMRES and by LAPACK's dgesv, and checks
+ * that both give the same step. */
 full_linear_solver compare_linear_solvers;
 
 #endif

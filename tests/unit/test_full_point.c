@@ -55,8 +55,8 @@ static void patch_evaluate(patch *self) {
                   self->pressure, self->film);
 }
 
-/* Returns the derivative of a row with respect to the value at a node. A mirrored stencil may
- * contain the node twice. */
+/* Returns the derivative of a row with respect to the value at a node. At the mirror line a stencil
+ * may contain the node twice; both derivatives are then added. */
 static double by_node(const double *by, const reynolds_stencil *stencil, size_t node) {
     double sum = 0;
     for (int a = 0; a < NUM_STENCIL; a++)

@@ -199,7 +199,7 @@ static void check_series(const time_series *series, size_t num_times) {
     }
 }
 
-/* Checks those scalars of the file that time_series does not contain. */
+/* Checks that the file contains the scalars of the entries that time_series_read does not read. */
 static void check_scalars(artefact *file, size_t num_times) {
     static const struct {
         const char *name;
@@ -541,6 +541,66 @@ static hid_t open_to_follow(void) {
     return file;
 }
 
+/* Returns the place in the file of a field's only chunk, bytes. */
+static off_t chunk_of(const char *name) {
+    const hsize_t first[1] = {0};
+    haddr_t place = HADDR_UNDEF;
+    hid_t file = open_to_follow(), set = H5Dopen2(file, name, H5P_DEFAULT);
+
+    assert_true(H5Dget_chunk_info_by_coord(set, first, NULL, &place, NULL) >= 0);
+    H5Dclose(set);
+    H5Fclose(file);
+    return (off_t)place;
+}
+
+static void change_byte(off_t place) {
+    unsigned char byte;
+    const int descriptor = open(partial, O_RDWR);
+
+    assert_int_equal(pread(descriptor, &byte, 1, place), 1);
+    byte ^= 1;
+    assert_int_equal(pwrite(descriptor, &byte, 1, place), 1);
+    close(descriptor);
+}
+
+static off_t changed_until_wait; // place of a byte that is wrong until the program waits; 0: none
+
+/* Replaces nanosleep. */
+int nanosleep(const struct timespec *wanted, struct timespec *left) {
+    if (changed_until_wait) change_byte(changed_until_wait);
+    changed_until_wait = 0;
+    return (int)syscall(SYS_nanosleep, wanted, left);
+}
+
+/* One byte of the chunk is wrong until the reader first waits, as in a chunk that a writer has
+ * written in part. The writer is killed, so that the file still has the mark of its writer. */
+static void a_chunk_that_is_rewritten_is_read_again(void **state) {
+    (void)state;
+    static const artefact_schema *const schemas[] = {&schema_result, NULL};
+    static const char name[] = "central_film_thickness";
+    double films[2];
+    artefact *file;
+
+    fflush(NULL);
+    const pid_t child = fork();
+    if (child == 0) {
+        file = start(false);
+        if (append(file, 0, false) || append(file, 1, false)) _exit(1);
+        raise(SIGKILL);
+    }
+    waitpid(child, NULL, 0);
+    const off_t place = chunk_of(name);
+    check_ok(artefact_open_unfinished(&file, partial, schemas, &error));
+    change_byte(place);
+    changed_until_wait = place;
+    check_ok(artefact_get_part(file, name, 0, 2, films, 2, &error));
+    check_close(films[1], entry_at(1).central_film_thickness, 0, 0);
+    change_byte(place);
+    check_refused(artefact_get_part(file, name, 0, 2, films, 2, &error), EHD_DATA,
+                  "central_film_thickness: found damaged data");
+    artefact_close(&file);
+}
+
 static void followed_while_it_grows(void **state) {
     (void)state;
     const size_t num_times = 3000;
@@ -821,6 +881,7 @@ int main(void) {
         TEST(times_increase),
         TEST(misuse_is_internal),
         TEST(memory_failures),
+        TEST(a_chunk_that_is_rewritten_is_read_again),
         TEST(followed_while_it_grows),
         TEST(kill_at_every_write),
         TEST(kill_at_a_new_chunk),

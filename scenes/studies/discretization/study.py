@@ -2,7 +2,7 @@
 """Measures the errors of both discretisations against the converged solution (README.md):
 
     study.py stationary FOLDER LINE_STEPS POINT_STEPS    errors of the films of line and point contacts
-    study.py random FOLDER KIND COUNT SEED               errors of random scenes, estimated by fullrun and true
+    study.py random FOLDER KIND COUNT SEED LIMIT         errors of random scenes, estimated by fullrun and true
     study.py in-time FOLDER SCENE.yml STEPS END          errors of the films under an oscillating load
     study.py estimates FOLDER STEPS ALL_M ALL_L          errors due to the step, estimated by fullrun and true
     study.py interpolated FOLDER STEP                    estimates that romrun interpolates, and estimates of fullrun
@@ -22,6 +22,7 @@ import math
 import os
 import random as draws
 import re
+import subprocess
 import sys
 
 import numpy as np
@@ -243,7 +244,8 @@ def point_inlets(folder, step, all_M, all_L):
 class RandomScene:
     """A random contact on its default grid or, in 64 % of the draws, on a coarser or shorter grid."""
 
-    def __init__(self, folder, kind, numbers):
+    def __init__(self, folder, kind, numbers, limit):
+        self.limit = limit  # of the time of a solution, s
         most = 400 if kind == "line" else 100
         viscosity, density = numbers.choice(list(BOTH.values()))
         self.is_line = kind == "line"
@@ -264,7 +266,8 @@ output: {{fields: false}}
         """Returns the output of fullrun, or an empty text if there is no solution."""
         done = results.run("fullrun", f"{self.file}.yml", "-q", "-o", f"{self.file}.h5", "-f", "--allow-untrusted",
                            *results.sets({**self.settings, "output.resolution": str(resolution).lower(),
-                                          **{f"grid.{key}": f"{x:.12g}" for key, x in grid.items()}}), outcomes=range(256))
+                                          **{f"grid.{key}": f"{x:.12g}" for key, x in grid.items()}}), outcomes=range(256),
+                           limit=self.limit)
         return done.stdout if done.returncode == results.SOLVED else ""
 
     def films(self, grid):
@@ -318,16 +321,21 @@ output: {{fields: false}}
         return np.array([said, np.abs([*(exact / finer[0] - 1), *self.domain_effects(finer[1])])])
 
 
-def random(folder, kind, count, seed):
+def random(folder, kind, count, seed, limit):
     """Compares estimates and errors of COUNT random scenes of a kind. The reference of a point contact needs sixteen
-    times as many nodes as its own grid."""
-    numbers, compared, coarse = draws.Random(int(seed)), [], 0
-    while len(compared) + coarse < int(count):
-        scene = RandomScene(folder, kind, numbers)
-        if scene.choose_grid():
-            found = scene.compare()
-            coarse += found is None
-            compared += [] if found is None else [found]
+    times as many nodes as its own grid. A scene is left out if one of its solutions takes more than LIMIT seconds."""
+    numbers, compared, coarse, left_out = draws.Random(int(seed)), [], 0, 0
+    while len(compared) + coarse + left_out < int(count):
+        scene = RandomScene(folder, kind, numbers, float(limit))
+        try:
+            if scene.choose_grid():
+                found = scene.compare()
+                coarse += found is None
+                compared += [] if found is None else [found]
+        except subprocess.TimeoutExpired:
+            left_out += 1
+    if not compared:
+        results.stop(f"found none of {count} scenes to compare, expected some")
     said, true = np.moveaxis(compared, 1, 0)
     rows = [["error", "scenes", "below 1", "least", "5 %", "median", "95 %"], None]
     for name, over in [*zip(["step: H_c", "H_m", "inlet: H_c", "H_m"], (said / true).T),
@@ -335,7 +343,7 @@ def random(folder, kind, count, seed):
                          for i, film in enumerate(("H_c", "H_m")))]:
         over = over[np.isfinite(over)]
         rows.append([name, len(over), sum(over < 1), *(f"{x:.2g}" for x in np.percentile(over, [0, 5, 50, 95]))])
-    print(f"{kind}: estimate over error; {coarse} of {count} scenes too coarse to tell\n")
+    print(f"{kind}: estimate over error; {coarse} of {count} scenes too coarse to tell, {left_out} too slow\n")
     results.table([*rows, None], left=1)
 
 
