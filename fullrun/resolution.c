@@ -413,15 +413,15 @@ double full_observed_order(const double films[3]) {
     return isgreater(ratio, 0) ? log2(ratio) : NAN;
 }
 
-double full_step_effect(const double films[3], double order, double limit, double opposite) {
+double full_step_effect(const double films[3], double order, double limit) {
     const double change = (films[0] - films[1]) / films[0];
     const double before = (films[1] - films[2]) / films[0];
     const double observed = log2(fabs(before / change));
 
     if (isnan(films[1])) return INFINITY;
     if (!(observed > 0)) return fabs(change) > limit ? INFINITY : fabs(change);
+    if (change * before < 0) return fmax(fabs(change), fabs(before) / 8);
     const double larger = fmax(fabs(change), fabs(before) / exp2(order));
-    if (change * before < 0) return opposite * larger;
     return larger / (exp2(fmax(1, fmin(observed, order))) - 1);
 }
 
@@ -449,13 +449,13 @@ static double lacking_before(const central_line *line, const ehd_contact *contac
  * beginnings: relative effects of four domains on the film. The first domain begins at x_min. The
  * others begin, like the three grids, one, two and four grid steps upstream of x_min. */
 static double step_effect(const double films[3], const double beginnings[4], double order,
-                          double limit, double opposite) {
+                          double limit) {
     double same[3] = {films[0], films[1], films[2]}; // films if all grids began like the first one
 
-    if (!isfinite(beginnings[0])) return full_step_effect(films, order, limit, opposite);
+    if (!isfinite(beginnings[0])) return full_step_effect(films, order, limit);
     for (int g = 1; g < 3; g++)
         same[g] *= 1 + beginnings[g + 1] - beginnings[1];
-    return full_step_effect(same, order, limit, opposite) + fabs(beginnings[1] - beginnings[0]);
+    return full_step_effect(same, order, limit) + fabs(beginnings[1] - beginnings[0]);
 }
 
 static void set_effects(full_resolution *self, const film_pair films[3], const inlet_change *change,
@@ -483,11 +483,7 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
     // then be too small by chance.
     self->effects.of[EFFECT_INLET_MINIMUM] =
         fmax(self->effects.of[EFFECT_INLET], safety * fabs(of_minimum[1]));
-    // If the films of a line contact alternate, their limit need not lie half way between two of
-    // them (README.md, Estimates of inlet and step).
-    const double opposite = is_line ? 1 : 0.5;
-    const double step =
-        SAFETY * step_effect(central, of_central, order, default_accuracy, opposite);
+    const double step = SAFETY * step_effect(central, of_central, order, default_accuracy);
     // on coarse steps the films of point contacts converge too irregularly for an estimate, except
     // with the published rows
     const bool is_known = is_line || is_published || step <= resolution_limit;
@@ -495,7 +491,7 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
     // the minimum films of the three grids may agree by chance
     self->effects.of[EFFECT_STEP_MINIMUM] =
         fmax(self->effects.of[EFFECT_STEP],
-             SAFETY * step_effect(minimum, of_minimum, 2, resolution_limit, opposite));
+             SAFETY * step_effect(minimum, of_minimum, 2, resolution_limit));
 }
 
 /* Sets the error estimates of the rolling resistance. For a line contact the resistance includes
@@ -508,7 +504,7 @@ static void set_rolling_effects(full_resolution *self, const film_pair films[3],
     const double rolling[3] = {films[0].rolling, films[1].rolling, films[2].rolling};
     double *effect = &self->effects.of[EFFECT_INLET_ROLLING];
 
-    self->effects.of[EFFECT_STEP_ROLLING] = SAFETY * full_step_effect(rolling, 2, INFINITY, 0.5);
+    self->effects.of[EFFECT_STEP_ROLLING] = SAFETY * full_step_effect(rolling, 2, INFINITY);
     *effect = self->effects.of[EFFECT_INLET];
     if (far_field_is_there(&contact->grid))
         *effect += far_field_rolling_error(contact, state->rigid_approach) /

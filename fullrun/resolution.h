@@ -63,11 +63,11 @@ double full_observed_order(const double films[3]);
  * - Two films may agree by chance. So the change from 2h to h is taken as at least 2^-order times
  *   the change from 4h to 2h.
  * - The order of the extrapolation is the observed order, but at least 1 and at most `order`.
- * - If the two changes have opposite signs, the result is the fraction `opposite` of the change
- *   from 2h to h: the limit is assumed to lie between these two films.
+ * - If the two changes have opposite signs, the result is the change from 2h to h, since the limit
+ *   need not lie between these two films, but at least an eighth of the change from 4h to 2h.
  * - If the changes do not shrink, the result is the change from 2h to h. If this change exceeds
  *   `limit`, the result is infinity: the grid steps are too coarse for an estimate.
  * - If there is no film at 2h, the result is infinity. */
-double full_step_effect(const double films[3], double order, double limit, double opposite);
+double full_step_effect(const double films[3], double order, double limit);
 
 #endif

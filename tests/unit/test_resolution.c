@@ -284,7 +284,8 @@ static void step_effect_of_a_point_contact(void **state) {
         const film_effects found = estimate(&own).effects;
         const double films[3] = {central_film(&own), central_film(&fine), central_film(&finest)};
         const double effect = (films[2] + (films[2] - films[1]) / 3) / films[0] - 1;
-        check_bound(found.of[EFFECT_STEP], effect, 5);
+        // at M = 10 the films on the three grids alternate, and the estimate is 5.9 times the effect
+        check_bound(found.of[EFFECT_STEP], effect, M == 10 ? 6 : 5);
     }
 }
 
@@ -307,14 +308,14 @@ static void orders_of_manufactured_films(void **state) {
             // follows with second order from the change from 4h to 2h.
             const double change = fabs(films[0] - films[1]) / films[0];
             const double exact = fabs(0.3 / films[0] - 1);
-            const double found = full_step_effect(films, 2, 1, 0.5);
+            const double found = full_step_effect(films, 2, 1);
             if (order < 1)
                 check_close(found, change, 1e-9, 0);
             else if (order <= 2)
                 check_close(found, exact, 1e-9, 0);
             else
                 check_close(found, change * exp2(order) / 12, 1e-9, 0);
-            check_close(full_step_effect(films, 5, 1, 0.5), order < 1 ? change : exact, 1e-9, 0);
+            check_close(full_step_effect(films, 5, 1), order < 1 ? change : exact, 1e-9, 0);
         }
 }
 
@@ -326,22 +327,20 @@ static void films_without_an_order(void **state) {
 
     assert_true(isnan(full_observed_order((const double[]){1, 1.03, 1})));
     assert_true(isnan(full_observed_order(no_third)));
-    check_close(full_step_effect(to_and_fro, 2, 0.04, 0.5), 0.03, 1e-12, 0);
-    check_close(full_step_effect(no_third, 2, 0.04, 0.5), 0.03, 1e-12, 0);
+    check_close(full_step_effect(to_and_fro, 2, 0.04), 0.03, 1e-12, 0);
+    check_close(full_step_effect(no_third, 2, 0.04), 0.03, 1e-12, 0);
     // if the change exceeds the limit of 0.02, there is no estimate
-    assert_true(isinf(full_step_effect(to_and_fro, 2, 0.02, 0.5)));
-    assert_true(isinf(full_step_effect(no_third, 2, 0.02, 0.5)));
-    assert_true(isinf(full_step_effect(alone, 2, 1, 0.5)));
+    assert_true(isinf(full_step_effect(to_and_fro, 2, 0.02)));
+    assert_true(isinf(full_step_effect(no_third, 2, 0.02)));
+    assert_true(isinf(full_step_effect(alone, 2, 1)));
     // the two finest films agree by chance, but the third film is far off: with second order the
     // estimate is 0.12 / 4 / 3
-    check_close(full_step_effect(by_chance, 2, 0.02, 0.5), 0.01, 1e-6, 0);
-    check_close(full_step_effect(by_chance, 3, 0.02, 0.5), 0.12 / 8 / 7, 1e-6, 0);
-    // If the changes from 4h to 2h and from 2h to h have opposite signs, the estimate is a given
-    // fraction, here 0.5 or 1, of the change from 2h to h. A quarter of the change from 4h to 2h
-    // takes its place if this quarter is larger.
-    check_close(full_step_effect(across, 2, 0.001, 0.5), 0.005, 1e-12, 0);
-    check_close(full_step_effect(across, 2, 0.001, 1), 0.01, 1e-12, 0);
-    check_close(full_step_effect((const double[]){1, 1.01, 0.77}, 2, 0.001, 0.5), 0.03, 1e-12, 0);
+    check_close(full_step_effect(by_chance, 2, 0.02), 0.01, 1e-6, 0);
+    check_close(full_step_effect(by_chance, 3, 0.02), 0.12 / 8 / 7, 1e-6, 0);
+    // If the changes from 4h to 2h and from 2h to h have opposite signs, the estimate is the change
+    // from 2h to h. An eighth of the change from 4h to 2h takes its place if this eighth is larger.
+    check_close(full_step_effect(across, 2, 0.001), 0.01, 1e-12, 0);
+    check_close(full_step_effect((const double[]){1, 1.01, 0.77}, 2, 0.001), 0.03, 1e-12, 0);
 }
 
 /* The numbers of nodes in the inlet, the outlet and the spike grow with the grid. This is tested in
