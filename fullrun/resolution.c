@@ -230,7 +230,6 @@ static ehd_status create_coarse(coarse_grid *self, ehd_error *error) {
     settings.threads = self->threads;
     settings.as_large = self->as_large;
     settings.tolerance = 1e-8;
-    settings.max_iterations = 20; // only a grid that is too coarse needs more
     ehd_status status = full_solver_create(&self->solver, self->contact.kind, &self->contact.grid,
                                            &settings, error);
     return status ? status : full_state_init(&self->state, &self->contact.grid, error);

@@ -108,6 +108,14 @@ solved() {
 }
 
 # bats test_tags=slow
+@test "a coarse grid that needs many iterations still gives an estimate of the step" {
+    # on this domain the grid with twice the step needs 22 Newton iterations
+    fullrun scene.yml -q --set contact=ellipse --set ellipticity=4.86 --set moes.M=2.139 --set moes.L=20.8 \
+        --set grid.x_min=-48 --set grid.x_max=44 --set grid.y_max=35.5695 --set grid.step=0.25 -o wide.h5 >out.txt
+    larger 1e-3 "$(fullrun --print wide.h5 step_effect | tail -n 1)"
+}
+
+# bats test_tags=slow
 @test "a chosen step that proves too coarse is halved" {
     # the minimum film depends on nodes that a coarser grid does not resolve
     incompressible=(--set moes.M=2000 --set moes.L=10 --set lubricant.density.law=incompressible)

@@ -51,5 +51,5 @@ setup() {
 
 # at M = 100 narrow ellipses would have 8 million unknown nodes
 @test "narrow ellipses are solved on the grids that they choose" {
-    MAP_M=${MAP_M:-0.1 0.3 1 3 10} solve_map ellipse "${MAP_K:-0.05 0.1 0.2}"
+    MAP_M=${MAP_M:-0.1 0.3 1 3 10 30} solve_map ellipse "${MAP_K:-0.05 0.1 0.2}"
 }
