@@ -305,8 +305,9 @@ output: {{fields: false}}
             return changes
         # The place of the minimum film of a point contact jumps from node to node. So its change is measured only for
         # twice the domain, with half the step. It is multiplied by the ratio of the changes of the central film for an
-        # infinite domain and for twice the domain.
-        beyond = changes[0] / (long[0] / short[0] - 1)
+        # infinite domain and for twice the domain. If the central film hardly changes, this ratio has no meaning. It is
+        # therefore limited to 2, which is the ratio if the effect falls with the first power of the size.
+        beyond = np.clip(changes[0] / (long[0] / short[0] - 1), 1, 2)
         return beyond * (self.films(self.grid(2, self.step / 2)) / finer - 1)
 
     def compare(self):
