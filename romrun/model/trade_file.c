@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/model/trade_file.h"
 
+#include "common/output/columns.h"
 #include "common/program/arena.h"
 
 #include <math.h>
@@ -29,191 +30,99 @@ double trade_indicated(double factor, indicator_shape shape, double bound) {
     return factor * fmin(share * bound, shape.offset + shape.offset_share * bound);
 }
 
-static const char *const deviation_fields[NUM_TRADE_QUANTITIES] = {
-    "deviation_central_film_thickness", "deviation_minimum_film_thickness",
-    "deviation_central_pressure", "deviation_pressure"};
+// ---- columns
 
-/* A member of trade_position with a dataset of its own. The members in the list `counts` are
- * size_t, all others are double. */
-typedef struct column {
-    const char *field;
-    size_t offset;
-    const char *axis; // axis whose length limits a number of modes or rows; NULL: no such axis
-    bool in_time;     // true: the dataset exists only if trajectories were measured
-} column;
+#define MEMBER(name, member) COLUMN(trade_position, name, member)
+#define SHAPE(name, member)                                                                        \
+    .field = (name), .offset = offsetof(trade_position, shape[0].member), .each = NUM_BOUNDED,     \
+    .apart = sizeof(indicator_shape)
 
-static const column counts[] = {
-    {"position_pressure_modes", offsetof(trade_position, sizes.pressure_modes), "pressure_mode",
-     false},
-    {"position_deformation_modes", offsetof(trade_position, sizes.deformation_modes),
-     "deformation_mode", false},
-    {"position_rows", offsetof(trade_position, sizes.rows), "row", false},
-    {"position_failures", offsetof(trade_position, num_failures), NULL, false},
-    {"position_lost_trajectories", offsetof(trade_position, num_lost), NULL, true}};
+/* Numbers of modes and rows. In a file, the length of an axis limits each of these numbers. */
+static const column sizes[] = {
+    {MEMBER("position_pressure_modes", sizes.pressure_modes), .integer = true},
+    {MEMBER("position_deformation_modes", sizes.deformation_modes), .integer = true},
+    {MEMBER("position_rows", sizes.rows), .integer = true},
+    {0}};
+static const char *const size_axes[] = {"pressure_mode", "deformation_mode", "row"};
 
-static const column reals[] = {
-    {"position_mean_iterations", offsetof(trade_position, mean_iterations), NULL, false},
-    {"position_most_iterations", offsetof(trade_position, max_iterations), NULL, false},
-    {"position_seconds", offsetof(trade_position, seconds), NULL, false},
-    {"worst_in_time_central_film_thickness",
-     offsetof(trade_position, worst_in_time[TRADE_CENTRAL_FILM]), NULL, true},
-    {"worst_in_time_minimum_film_thickness",
-     offsetof(trade_position, worst_in_time[TRADE_MINIMUM_FILM]), NULL, true},
-    {"worst_in_time_central_pressure",
-     offsetof(trade_position, worst_in_time[TRADE_CENTRAL_PRESSURE]), NULL, true},
-    {"position_step_iterations", offsetof(trade_position, step_iterations), NULL, true},
-    {"position_step_seconds", offsetof(trade_position, step_seconds), NULL, true}};
+static const column of_scenes[] = {
+    {MEMBER("position_failures", num_failures), .integer = true},
+    {MEMBER("position_mean_iterations", mean_iterations)},
+    {MEMBER("position_most_iterations", max_iterations)},
+    {MEMBER("position_seconds", seconds)},
+    {MEMBER("deviation_central_film_thickness", deviation[TRADE_CENTRAL_FILM])},
+    {MEMBER("deviation_minimum_film_thickness", deviation[TRADE_MINIMUM_FILM])},
+    {MEMBER("deviation_central_pressure", deviation[TRADE_CENTRAL_PRESSURE])},
+    {MEMBER("deviation_pressure", deviation[TRADE_PRESSURE])},
+    {0}};
 
-/* Columns of the error estimates. Their values are at least 0. Older files may lack all columns
- * except the first one. If the factor of the minimum film is missing, the factor of the central
- * film is used. If the largest residuals are missing, any residual is accepted. If the factors of
- * other quantities are missing, these quantities have no estimate. */
+static const column of_trajectories[] = {
+    {MEMBER("position_lost_trajectories", num_lost), .integer = true},
+    {MEMBER("worst_in_time_central_film_thickness", worst_in_time[TRADE_CENTRAL_FILM])},
+    {MEMBER("worst_in_time_minimum_film_thickness", worst_in_time[TRADE_MINIMUM_FILM])},
+    {MEMBER("worst_in_time_central_pressure", worst_in_time[TRADE_CENTRAL_PRESSURE])},
+    {MEMBER("position_step_iterations", step_iterations)},
+    {MEMBER("position_step_seconds", step_seconds)},
+    {0}};
+
+/* Columns of the error estimates. Their values are at least 0. If the factor of the minimum film is
+ * missing, the factor of the central film is used. If the largest residuals are missing, any
+ * residual is accepted. If the factors of other quantities are missing, these quantities have no
+ * estimate. */
 static const column of_indicator[] = {
-    {"indicator_factor", offsetof(trade_position, indicator_factor), NULL, false},
-    {"indicator_factor_minimum", offsetof(trade_position, indicator_factor_minimum), NULL, false},
-    {"position_largest_residual", offsetof(trade_position, largest_residual), NULL, false},
-    {"indicator_factor_central_pressure",
-     offsetof(trade_position, other_factor[INDICATED_CENTRAL_PRESSURE]), NULL, false},
-    {"indicator_factor_exit_position",
-     offsetof(trade_position, other_factor[INDICATED_EXIT_POSITION]), NULL, false},
-    {"indicator_factor_load", offsetof(trade_position, other_factor[INDICATED_LOAD]), NULL, false},
-    {"indicator_factor_pressure", offsetof(trade_position, other_factor[INDICATED_PRESSURE]), NULL,
-     false},
-    {"indicator_factor_film", offsetof(trade_position, other_factor[INDICATED_FILM]), NULL, false},
-    {"indicator_factor_friction", offsetof(trade_position, other_factor[INDICATED_FRICTION]), NULL,
-     false}};
-enum { NUM_OF_INDICATOR = sizeof of_indicator / sizeof *of_indicator };
+    {MEMBER("indicator_factor", indicator_factor)},
+    {MEMBER("indicated_deviation", indicated)},
+    {MEMBER("indicator_effectivity", effectivity)},
+    {MEMBER("indicator_factor_minimum", indicator_factor_minimum), .optional = true},
+    {MEMBER("position_largest_residual", largest_residual), .optional = true},
+    {MEMBER("indicator_factor_central_pressure", other_factor[INDICATED_CENTRAL_PRESSURE]),
+     .optional = true},
+    {MEMBER("indicator_factor_exit_position", other_factor[INDICATED_EXIT_POSITION]),
+     .optional = true},
+    {MEMBER("indicator_factor_load", other_factor[INDICATED_LOAD]), .optional = true},
+    {MEMBER("indicator_factor_pressure", other_factor[INDICATED_PRESSURE]), .optional = true},
+    {MEMBER("indicator_factor_film", other_factor[INDICATED_FILM]), .optional = true},
+    {MEMBER("indicator_factor_friction", other_factor[INDICATED_FRICTION]), .optional = true},
+    {0}};
+
+static const column shapes[] = {{SHAPE("indicator_share", share)},
+                                {SHAPE("indicator_growth", growth)},
+                                {SHAPE("indicator_offset", offset)},
+                                {SHAPE("indicator_offset_share", offset_share)},
+                                {0}};
 
 /* Columns of the error estimates in time. A file has all of these columns or none of them. Files
- * before schema 2.9 lack only the last column, whose values are then 0. */
+ * before schema 2.9 lack only the optional column, whose values are then 0. */
 static const column in_time[] = {
-    {"indicator_factor_in_time", offsetof(trade_position, factor_in_time), NULL, true},
-    {"indicator_factor_in_time_minimum", offsetof(trade_position, factor_in_time_minimum), NULL,
-     true},
-    {"indicator_floor_in_time_minimum", offsetof(trade_position, floor_in_time_minimum), NULL,
-     true},
-    {"indicator_floor_in_time", offsetof(trade_position, floor_in_time), NULL, true}};
-enum { NUM_IN_TIME = sizeof in_time / sizeof *in_time };
-
-enum { NUM_COUNTS = sizeof counts / sizeof *counts, NUM_REALS = sizeof reals / sizeof *reals };
-
-static bool is_measured(const column *self, const trade_table *table) {
-    return !self->in_time || table->num_trajectories > 0;
-}
-
-static void *member(trade_position *position, size_t offset) {
-    return (char *)position + offset;
-}
+    {MEMBER("indicator_factor_in_time", factor_in_time)},
+    {MEMBER("indicator_factor_in_time_minimum", factor_in_time_minimum)},
+    {MEMBER("indicator_floor_in_time_minimum", floor_in_time_minimum)},
+    {MEMBER("indicator_floor_in_time", floor_in_time), .optional = true},
+    {MEMBER("indicated_in_time", indicated_in_time)},
+    {0}};
 
 // ---- writing
 
-static ehd_status put_counts(artefact *file, const trade_table *table, ehd_error *error) {
-    int64_t *values = malloc(table->num_positions * sizeof *values);
-    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
-
-    for (size_t c = 0; c < NUM_COUNTS && !status; c++) {
-        if (!is_measured(&counts[c], table)) continue;
-        for (size_t i = 0; i < table->num_positions; i++)
-            values[i] = (int64_t) * (const size_t *)member(&table->positions[i], counts[c].offset);
-        status = artefact_put_integers(file, counts[c].field, values, error);
-    }
-    free(values);
-    return status;
-}
-
-static ehd_status put_column(artefact *file, double *values, const column *self,
-                             const trade_table *table, ehd_error *error) {
-    for (size_t i = 0; i < table->num_positions; i++)
-        values[i] = *(const double *)member(&table->positions[i], self->offset);
-    return artefact_put(file, self->field, values, error);
-}
-
-static ehd_status put_reals(artefact *file, const trade_table *table, ehd_error *error) {
-    double *values = malloc(table->num_positions * NUM_TRADE_QUANTILES * sizeof *values);
-    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
-
-    for (size_t c = 0; c < NUM_REALS && !status; c++) {
-        if (!is_measured(&reals[c], table)) continue;
-        status = put_column(file, values, &reals[c], table, error);
-    }
-    for (size_t q = 0; q < NUM_TRADE_QUANTITIES && !status; q++) {
-        for (size_t i = 0; i < table->num_positions * NUM_TRADE_QUANTILES; i++)
-            values[i] =
-                table->positions[i / NUM_TRADE_QUANTILES].deviation[q][i % NUM_TRADE_QUANTILES];
-        status = artefact_put(file, deviation_fields[q], values, error);
-    }
-    free(values);
-    return status;
-}
-
-/* A member of indicator_shape and its dataset. */
-static const struct shape_field {
-    const char *name;
-    size_t offset;
-} shape_fields[] = {{"indicator_share", offsetof(indicator_shape, share)},
-                    {"indicator_growth", offsetof(indicator_shape, growth)},
-                    {"indicator_offset", offsetof(indicator_shape, offset)},
-                    {"indicator_offset_share", offsetof(indicator_shape, offset_share)}};
-enum { NUM_SHAPE_FIELDS = sizeof shape_fields / sizeof *shape_fields };
-
-/* Returns the member at `offset` of shape number `entry`, in a dataset with `num_bounded` shapes
- * for each position. */
-static double *shape_member(trade_table *table, size_t num_bounded, size_t entry, size_t offset) {
-    trade_position *position = &table->positions[entry / num_bounded];
-
-    void *place = (char *)&position->shape[entry % num_bounded] + offset;
-    return place;
-}
-
-static ehd_status put_shapes(artefact *file, const trade_table *table, ehd_error *error) {
-    const size_t count = table->num_positions * NUM_BOUNDED;
-    trade_table all = *table;
-    double *values = malloc((count + 1) * sizeof *values);
-    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
-
-    if (!status) status = artefact_put_axis(file, "bounded", NUM_BOUNDED, NULL, error);
-    for (size_t f = 0; f < NUM_SHAPE_FIELDS && !status; f++) {
-        for (size_t i = 0; i < count; i++)
-            values[i] = *shape_member(&all, NUM_BOUNDED, i, shape_fields[f].offset);
-        status = artefact_put(file, shape_fields[f].name, values, error);
-    }
-    free(values);
-    return status;
+static ehd_status put(artefact *file, const trade_table *table, const column *columns,
+                      ehd_error *error) {
+    return columns_put(file, columns, 0, table->positions, sizeof *table->positions,
+                       table->num_positions, error);
 }
 
 static ehd_status put_indicator(artefact *file, const trade_table *table, ehd_error *error) {
-    size_t num_positions = table->num_positions;
-    double *values = malloc(num_positions * NUM_TRADE_PARTS * sizeof *values);
-    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
+    ehd_status status = artefact_put_axis(file, "part", NUM_TRADE_PARTS, trade_parts, error);
 
-    if (!status) status = artefact_put_axis(file, "part", NUM_TRADE_PARTS, trade_parts, error);
-    for (size_t c = 0; c < NUM_OF_INDICATOR && !status; c++)
-        status = put_column(file, values, &of_indicator[c], table, error);
-    for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)
-        values[i] = table->positions[i / NUM_TRADE_PARTS].indicated[i % NUM_TRADE_PARTS];
-    if (!status) status = artefact_put(file, "indicated_deviation", values, error);
-    for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)
-        values[i] = table->positions[i / NUM_TRADE_PARTS].effectivity[i % NUM_TRADE_PARTS];
-    if (!status) status = artefact_put(file, "indicator_effectivity", values, error);
-    if (!status) status = put_shapes(file, table, error);
-    free(values);
-    return status;
+    if (!status) status = put(file, table, of_indicator, error);
+    if (!status) status = artefact_put_axis(file, "bounded", NUM_BOUNDED, NULL, error);
+    return status ? status : put(file, table, shapes, error);
 }
 
-static ehd_status put_in_time(artefact *file, const trade_table *table, ehd_error *error) {
-    const size_t count = table->num_positions * NUM_TIME_PARTS;
-    double *values = malloc(count * sizeof *values);
-    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
+static ehd_status put_trajectories(artefact *file, const trade_table *table, ehd_error *error) {
+    ehd_status status = put(file, table, of_trajectories, error);
 
     if (!status)
         status = artefact_put_axis(file, "part_in_time", NUM_TIME_PARTS, trade_time_parts, error);
-    for (size_t c = 0; c < NUM_IN_TIME && !status; c++)
-        status = put_column(file, values, &in_time[c], table, error);
-    for (size_t i = 0; i < count && !status; i++)
-        values[i] = table->positions[i / NUM_TIME_PARTS].indicated_in_time[i % NUM_TIME_PARTS];
-    if (!status) status = artefact_put(file, "indicated_in_time", values, error);
-    free(values);
-    return status;
+    return status ? status : put(file, table, in_time, error);
 }
 
 ehd_status trade_write(artefact *file, const trade_table *table, ehd_error *error) {
@@ -227,143 +136,92 @@ ehd_status trade_write(artefact *file, const trade_table *table, ehd_error *erro
     if (!status)
         status = artefact_put_integer(file, "calibration_trajectories",
                                       (int64_t)table->num_trajectories, error);
-    if (!status) status = put_counts(file, table, error);
-    if (!status) status = put_reals(file, table, error);
+    if (!status) status = put(file, table, sizes, error);
+    if (!status) status = put(file, table, of_scenes, error);
     if (!status && table->num_scenes > 0) status = put_indicator(file, table, error);
-    if (!status && table->num_trajectories > 0) status = put_in_time(file, table, error);
+    if (!status && table->num_trajectories > 0) status = put_trajectories(file, table, error);
     return status ? status : shown_put(file, &table->shown, error);
 }
 
 // ---- reading
 
-static ehd_status get_counts(trade_table *table, artefact *file, ehd_error *error) {
-    int64_t *values = array_new(table->num_positions, 1, sizeof *values);
-    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
+static ehd_status get(trade_table *table, const column *columns, artefact *file, ehd_error *error) {
+    return columns_get(table->positions, sizeof *table->positions, table->num_positions, columns,
+                       file, error);
+}
 
-    for (size_t c = 0; c < NUM_COUNTS && !status; c++) {
-        if (!is_measured(&counts[c], table)) continue;
-        const char *axis = counts[c].axis;
-        int64_t max = (int64_t)(axis                ? artefact_length(file, axis)
-                                : counts[c].in_time ? table->num_trajectories
-                                                    : table->num_scenes);
-        int64_t min = axis && max > 0 ? 1 : 0;
-        status = artefact_get_integers(file, counts[c].field, values, table->num_positions, error);
-        for (size_t i = 0; i < table->num_positions && !status; i++) {
-            if (values[i] < min || values[i] > max)
-                status = ehd_fail(error, EHD_DATA, "%s: %s: found %lld, expected %lld to %lld",
-                                  artefact_path(file), counts[c].field, (long long)values[i],
-                                  (long long)min, (long long)max);
-            *(size_t *)member(&table->positions[i], counts[c].offset) = (size_t)values[i];
-        }
+static ehd_status check_counts(const trade_table *table, const column *counts, size_t min,
+                               size_t max, const artefact *file, ehd_error *error) {
+    for (size_t i = 0; i < table->num_positions; i++) {
+        const void *place = (const char *)&table->positions[i] + counts->offset;
+        const size_t found = *(const size_t *)place;
+        if (found < min || found > max)
+            return ehd_fail(error, EHD_DATA, "%s: %s: found %zu, expected %zu to %zu",
+                            artefact_path(file), counts->field, found, min, max);
     }
-    free(values);
+    return EHD_OK;
+}
+
+static ehd_status get_sizes(trade_table *table, artefact *file, ehd_error *error) {
+    ehd_status status = get(table, sizes, file, error);
+
+    for (size_t i = 0; sizes[i].field && !status; i++) {
+        const size_t max = artefact_length(file, size_axes[i]);
+        status = check_counts(table, &sizes[i], max > 0 ? 1 : 0, max, file, error);
+    }
     return status;
 }
 
-/* Reads the columns of real numbers and the deviations. Unknown values are NaN. */
-static ehd_status get_reals(trade_table *table, artefact *file, ehd_error *error) {
-    size_t num_positions = table->num_positions;
-    double *values = array_new(num_positions, NUM_TRADE_QUANTILES, sizeof *values);
-    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
+static ehd_status get_scenes(trade_table *table, artefact *file, ehd_error *error) {
+    const ehd_status status = get(table, of_scenes, file, error);
 
-    for (size_t c = 0; c < NUM_REALS && !status; c++) {
-        if (!is_measured(&reals[c], table)) continue;
-        status = artefact_get(file, reals[c].field, values, num_positions, error);
-        for (size_t i = 0; i < num_positions && !status; i++)
-            *(double *)member(&table->positions[i], reals[c].offset) = values[i];
-    }
-    for (size_t q = 0; q < NUM_TRADE_QUANTITIES && !status; q++) {
-        status = artefact_get(file, deviation_fields[q], values,
-                              num_positions * NUM_TRADE_QUANTILES, error);
-        for (size_t i = 0; i < num_positions * NUM_TRADE_QUANTILES && !status; i++)
-            table->positions[i / NUM_TRADE_QUANTILES].deviation[q][i % NUM_TRADE_QUANTILES] =
-                values[i];
-    }
-    free(values);
-    return status;
+    return status ? status : check_counts(table, of_scenes, 0, table->num_scenes, file, error);
 }
 
-static ehd_status get_of_indicator(trade_table *table, double *values, const column *self,
-                                   artefact *file, ehd_error *error) {
-    ehd_status status = artefact_get(file, self->field, values, table->num_positions, error);
+static ehd_status get_trajectories(trade_table *table, artefact *file, ehd_error *error) {
+    ehd_status status = get(table, of_trajectories, file, error);
 
-    for (size_t i = 0; i < table->num_positions && !status; i++)
-        *(double *)member(&table->positions[i], self->offset) = values[i];
-    return status;
+    if (!status)
+        status = check_counts(table, of_trajectories, 0, table->num_trajectories, file, error);
+    if (status || !columns_are_in(file, in_time) ||
+        artefact_length(file, "part_in_time") != NUM_TIME_PARTS)
+        return status;
+    return get(table, in_time, file, error);
 }
 
 /* Reads the shapes. If a table has no shapes, the estimate is the factor times the bound. An older
  * table has shapes for all quantities except friction. */
 static ehd_status get_shapes(trade_table *table, artefact *file, ehd_error *error) {
     const size_t num_bounded = artefact_length(file, "bounded");
-    const size_t count = table->num_positions * num_bounded;
-    bool known = num_bounded == NUM_BOUNDED || num_bounded == OF_OTHERS + INDICATED_FRICTION;
-    double *values = malloc((count + 1) * sizeof *values);
-    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
+    ehd_status status = EHD_OK;
 
-    for (size_t f = 0; f < NUM_SHAPE_FIELDS; f++)
-        known = known && artefact_has(file, shape_fields[f].name);
     for (size_t i = 0; i < table->num_positions; i++)
         for (size_t q = 0; q < NUM_BOUNDED; q++)
             table->positions[i].shape[q] = plain_shape;
-    for (size_t f = 0; f < NUM_SHAPE_FIELDS && known && !status; f++) {
-        status = artefact_get(file, shape_fields[f].name, values, count, error);
-        for (size_t i = 0; i < count && !status; i++)
-            *shape_member(table, num_bounded, i, shape_fields[f].offset) = values[i];
+    if (!columns_are_in(file, shapes) ||
+        (num_bounded != NUM_BOUNDED && num_bounded != OF_OTHERS + INDICATED_FRICTION))
+        return EHD_OK;
+    for (const column *of_all = shapes; of_all->field && !status; of_all++) {
+        column found[] = {*of_all, {0}};
+        found->each = num_bounded;
+        status = get(table, found, file, error);
     }
-    free(values);
     return status;
 }
 
 static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *error) {
-    size_t num_positions = table->num_positions;
-    if (!artefact_has(file, "indicator_factor") || !artefact_has(file, "indicated_deviation") ||
-        !artefact_has(file, "indicator_effectivity") ||
-        artefact_length(file, "part") != NUM_TRADE_PARTS)
+    if (!columns_are_in(file, of_indicator) || artefact_length(file, "part") != NUM_TRADE_PARTS)
         return EHD_OK; // a table without error estimates
-    double *values = array_new(num_positions, NUM_TRADE_PARTS, sizeof *values);
-    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
+    const bool has_minimum = artefact_has(file, "indicator_factor_minimum");
+    const bool has_residual = artefact_has(file, "position_largest_residual");
+    ehd_status status = get(table, of_indicator, file, error);
 
-    for (size_t c = 0; c < NUM_OF_INDICATOR && !status; c++) {
-        if (artefact_has(file, of_indicator[c].field))
-            status = get_of_indicator(table, values, &of_indicator[c], file, error);
-        for (size_t i = 0; i < num_positions && c == 0; i++) {
-            table->positions[i].indicator_factor_minimum = table->positions[i].indicator_factor;
-            table->positions[i].largest_residual = INFINITY;
-        }
+    for (size_t i = 0; i < table->num_positions; i++) {
+        trade_position *position = &table->positions[i];
+        if (!has_minimum) position->indicator_factor_minimum = position->indicator_factor;
+        if (!has_residual) position->largest_residual = INFINITY;
     }
-    if (!status) status = get_shapes(table, file, error);
-    if (!status)
-        status = artefact_get(file, "indicated_deviation", values, num_positions * NUM_TRADE_PARTS,
-                              error);
-    for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)
-        table->positions[i / NUM_TRADE_PARTS].indicated[i % NUM_TRADE_PARTS] = values[i];
-    if (!status)
-        status = artefact_get(file, "indicator_effectivity", values,
-                              num_positions * NUM_TRADE_PARTS, error);
-    for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)
-        table->positions[i / NUM_TRADE_PARTS].effectivity[i % NUM_TRADE_PARTS] = values[i];
-    free(values);
-    return status;
-}
-
-static ehd_status get_in_time(trade_table *table, artefact *file, ehd_error *error) {
-    const size_t count = table->num_positions * NUM_TIME_PARTS;
-    double *values = array_new(table->num_positions, NUM_TIME_PARTS, sizeof *values);
-    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
-    bool all = table->num_trajectories > 0 && artefact_has(file, "indicated_in_time") &&
-               artefact_length(file, "part_in_time") == NUM_TIME_PARTS;
-
-    for (size_t c = 0; c < NUM_IN_TIME - 1; c++)
-        all = all && artefact_has(file, in_time[c].field);
-    for (size_t c = 0; c < NUM_IN_TIME && all && !status; c++)
-        if (artefact_has(file, in_time[c].field))
-            status = get_of_indicator(table, values, &in_time[c], file, error);
-    if (all && !status) status = artefact_get(file, "indicated_in_time", values, count, error);
-    for (size_t i = 0; i < count && all && !status; i++)
-        table->positions[i / NUM_TIME_PARTS].indicated_in_time[i % NUM_TIME_PARTS] = values[i];
-    free(values);
-    return status;
+    return status ? status : get_shapes(table, file, error);
 }
 
 static ehd_status get_table(trade_table *table, artefact *file, ehd_error *error) {
@@ -386,9 +244,9 @@ static ehd_status get_table(trade_table *table, artefact *file, ehd_error *error
     table->num_positions = artefact_length(file, "position");
     table->positions = array_new(table->num_positions, 1, sizeof *table->positions);
     if (!table->positions) return ehd_no_memory(error, artefact_path(file));
-    status = get_counts(table, file, error);
-    if (!status) status = get_reals(table, file, error);
-    if (!status) status = get_in_time(table, file, error);
+    status = get_sizes(table, file, error);
+    if (!status) status = get_scenes(table, file, error);
+    if (!status && num_trajectories > 0) status = get_trajectories(table, file, error);
     return status ? status : get_indicator(table, file, error);
 }
 
