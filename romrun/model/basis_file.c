@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/model/basis_file.h"
 
+#include "common/output/columns.h"
+
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -77,17 +79,21 @@ ehd_status modes_read(double **modes, artefact *file, const char *field, const e
 
 // ---- states
 
-/* Copies the coordinates `first` to `first` + `width` - 1 of each state to `part` (`to_part` is 1)
- * or from `part`. */
-static void copy_coordinates(double *part, const reduced_states *states, size_t first, size_t width,
-                             int to_part) {
-    for (size_t s = 0; s < states->num_states; s++) {
-        double *whole = states->coordinates + s * states->num_unknowns + first;
-        if (to_part)
-            memcpy(part + s * width, whole, width * sizeof(double));
-        else
-            memcpy(whole, part + s * width, width * sizeof(double));
-    }
+enum { NUM_COORDINATES = 3 };
+
+/* Lists the columns of a state's coordinates. */
+static void list_coordinates(column columns[NUM_COORDINATES + 1], size_t num_pressure,
+                             size_t num_deformation) {
+    const size_t number = sizeof(double), width = num_pressure + num_deformation;
+
+    *columns++ = (column){.field = "state_pressure", .each = num_pressure, .apart = number};
+    *columns++ = (column){.field = "state_rigid_approach", .offset = width * number, .each = 1};
+    if (num_deformation > 0)
+        *columns++ = (column){.field = "state_deformation",
+                              .offset = num_pressure * number,
+                              .each = num_deformation,
+                              .apart = number};
+    *columns = (column){0};
 }
 
 /* If the training has trajectories, writes the rates of change and which states are stationary. */
@@ -122,100 +128,65 @@ static ehd_status get_trajectory_marks(reduced_states *states, artefact *file, i
     return EHD_OK;
 }
 
-/* The dataset of a member of flow_thinning: of `gradient` if by_gradient, otherwise of
- * `sliding`. */
-typedef struct thinning_column {
-    const char *field;
-    bool by_gradient;
-} thinning_column;
+/* Numbers of the states that may be unknown or zero. A file has the dataset only if some number is
+ * above `none`. */
+typedef struct optional_column {
+    column of;
+    double none;
+    double *first; // number of the first state
+    size_t size;   // bytes from one state to the next
+} optional_column;
 
-static const thinning_column thinning_columns[] = {{"state_thinning", false},
-                                                   {"state_gradient_thinning", true}};
-enum { NUM_THINNING = sizeof thinning_columns / sizeof *thinning_columns };
+enum { NUM_OPTIONAL = 2 + NUM_EFFECTS + NUM_RISES };
 
-static double *thinning_of(const reduced_states *states, const thinning_column *column,
-                           size_t state) {
-    flow_thinning *thinning = &states->thinning[state];
-
-    return column->by_gradient ? &thinning->gradient : &thinning->sliding;
+static optional_column optional(const char *field, double none, double *first, size_t size) {
+    return (optional_column){{.field = field, .each = 1}, none, first, size};
 }
 
-/* Writes the thinning of the states' flows, without datasets whose values are all 0. */
-static ehd_status put_thinning(artefact *file, const reduced_states *states, double *work,
-                               ehd_error *error) {
+/* Lists the thinning of the states' flows, the estimated errors due to the grid, and the rises of
+ * viscosity and density. */
+static void list_optional(optional_column list[NUM_OPTIONAL], const reduced_states *states) {
+    flow_thinning *thinning = states->thinning;
+
+    *list++ = optional("state_thinning", 0, &thinning->sliding, sizeof *thinning);
+    *list++ = optional("state_gradient_thinning", 0, &thinning->gradient, sizeof *thinning);
+    for (int e = 0; e < NUM_EFFECTS; e++)
+        *list++ = optional(film_effect_state_names[e], -INFINITY, &states->effects->of[e],
+                           sizeof *states->effects);
+    for (int r = 0; r < NUM_RISES; r++)
+        *list++ = optional(lubricant_rise_state_names[r], -INFINITY, &states->rises->of[r],
+                           sizeof *states->rises);
+}
+
+static bool is_known(const optional_column *self, size_t num_states) {
+    const size_t stride = self->size / sizeof(double);
+    bool known = false;
+
+    for (size_t s = 0; s < num_states; s++)
+        known = known || isgreater(self->first[s * stride], self->none);
+    return known;
+}
+
+static ehd_status put_optional(artefact *file, const reduced_states *states, ehd_error *error) {
+    const size_t num_states = states->num_states;
+    optional_column list[NUM_OPTIONAL];
     ehd_status status = EHD_OK;
 
-    for (int c = 0; c < NUM_THINNING && !status; c++) {
-        bool any = false;
-        for (size_t s = 0; s < states->num_states; s++) {
-            work[s] = *thinning_of(states, &thinning_columns[c], s);
-            any = any || work[s] > 0;
-        }
-        if (any) status = artefact_put(file, thinning_columns[c].field, work, error);
-    }
+    list_optional(list, states);
+    for (const optional_column *c = list; c < list + NUM_OPTIONAL && !status; c++)
+        if (is_known(c, num_states))
+            status = column_put(file, &c->of, 0, c->first, c->size, num_states, error);
     return status;
 }
 
-static ehd_status get_thinning(reduced_states *states, artefact *file, double *work,
-                               ehd_error *error) {
+static ehd_status get_optional(reduced_states *states, artefact *file, ehd_error *error) {
+    optional_column list[NUM_OPTIONAL];
     ehd_status status = EHD_OK;
 
-    for (int c = 0; c < NUM_THINNING && !status; c++) {
-        if (!artefact_has(file, thinning_columns[c].field)) continue;
-        status = artefact_get(file, thinning_columns[c].field, work, states->num_states, error);
-        for (size_t s = 0; s < states->num_states && !status; s++)
-            *thinning_of(states, &thinning_columns[c], s) = work[s];
-    }
-    return status;
-}
-
-/* Data of the states that may be unknown: estimated errors due to the grid, and rises of viscosity
- * and density. Each column of `values` is a dataset. */
-typedef struct optional_columns {
-    const char *const *names; // [num]
-    size_t num;
-    double *values; // [num_states, num] NaN: the value is not known
-} optional_columns;
-
-enum { NUM_OPTIONAL = 2 };
-
-static void list_optional(optional_columns columns[NUM_OPTIONAL], const reduced_states *states) {
-    columns[0] = (optional_columns){film_effect_state_names, NUM_EFFECTS, states->effects->of};
-    columns[1] = (optional_columns){lubricant_rise_state_names, NUM_RISES, states->rises->of};
-}
-
-/* Writes each column that is known for at least one state. */
-static ehd_status put_optional(artefact *file, const reduced_states *states, double *work,
-                               ehd_error *error) {
-    optional_columns columns[NUM_OPTIONAL];
-    ehd_status status = EHD_OK;
-
-    list_optional(columns, states);
-    for (const optional_columns *of = columns; of < columns + NUM_OPTIONAL; of++)
-        for (size_t c = 0; c < of->num && !status; c++) {
-            bool any = false;
-            for (size_t s = 0; s < states->num_states; s++) {
-                work[s] = of->values[s * of->num + c];
-                any = any || !isnan(work[s]);
-            }
-            if (any) status = artefact_put(file, of->names[c], work, error);
-        }
-    return status;
-}
-
-static ehd_status get_optional(reduced_states *states, artefact *file, double *work,
-                               ehd_error *error) {
-    optional_columns columns[NUM_OPTIONAL];
-    ehd_status status = EHD_OK;
-
-    list_optional(columns, states);
-    for (const optional_columns *of = columns; of < columns + NUM_OPTIONAL; of++)
-        for (size_t c = 0; c < of->num && !status; c++) {
-            if (!artefact_has(file, of->names[c])) continue;
-            status = artefact_get(file, of->names[c], work, states->num_states, error);
-            for (size_t s = 0; s < states->num_states && !status; s++)
-                of->values[s * of->num + c] = work[s];
-        }
+    list_optional(list, states);
+    for (const optional_column *c = list; c < list + NUM_OPTIONAL && !status; c++)
+        if (artefact_has(file, c->of.field))
+            status = column_get(c->first, c->size, states->num_states, &c->of, file, error);
     return status;
 }
 
@@ -228,22 +199,15 @@ static size_t exit_index(const ehd_grid *grid, const reduced_states *states, siz
 
 ehd_status states_write(artefact *file, const reduced_states *states, size_t num_pressure,
                         size_t num_deformation, const ehd_grid *grid, ehd_error *error) {
-    const struct {
-        const char *field;
-        size_t first, width;
-    } parts[] = {{"state_pressure", 0, num_pressure},
-                 {"state_deformation", num_pressure, num_deformation},
-                 {"state_rigid_approach", num_pressure + num_deformation, 1}};
-    double *part = malloc(states->num_states * (states->num_unknowns + 1) * sizeof *part);
+    column columns[NUM_COORDINATES + 1];
     size_t num_exits = states->num_states * grid->inner_lines;
     int64_t *exits = malloc((num_exits + 1) * sizeof *exits);
-    ehd_status status = part && exits ? EHD_OK : ehd_no_memory(error, artefact_path(file));
+    ehd_status status = exits ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
-    for (size_t i = 0; i < 3 && !status; i++)
-        if (parts[i].width > 0) {
-            copy_coordinates(part, states, parts[i].first, parts[i].width, 1);
-            status = artefact_put(file, parts[i].field, part, error);
-        }
+    list_coordinates(columns, num_pressure, num_deformation);
+    if (!status)
+        status = columns_put(file, columns, 0, states->coordinates,
+                             states->num_unknowns * sizeof(double), states->num_states, error);
     for (size_t i = 0; i < num_exits && !status; i++)
         exits[i] = (int64_t)states->exit[exit_index(grid, states, i)] - 1; // x[0] is at column 1
     if (!status) status = artefact_put_integers(file, "state_exit_node", exits, error);
@@ -253,21 +217,14 @@ ehd_status states_write(artefact *file, const reduced_states *states, size_t num
         status = artefact_put(file, "state_central_film_thickness", states->central_film_thickness,
                               error);
     if (!status) status = put_trajectory_marks(file, states, exits, error);
-    if (!status) status = put_thinning(file, states, part, error);
-    if (!status) status = put_optional(file, states, part, error);
+    if (!status) status = put_optional(file, states, error);
     free(exits);
-    free(part);
     return status;
 }
 
 ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressure,
                        size_t num_deformation, const ehd_grid *grid, ehd_error *error) {
-    const struct {
-        const char *field;
-        size_t first, width;
-    } parts[] = {{"state_pressure", 0, num_pressure},
-                 {"state_deformation", num_pressure, num_deformation},
-                 {"state_rigid_approach", num_pressure + num_deformation, 1}};
+    column columns[NUM_COORDINATES + 1];
     // the exit of a line contact lies behind the centre, and the stencil of a row fits between
     // centre and exit
     bool on_line = grid->inner_lines == 1;
@@ -275,18 +232,16 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
         on_line ? (int64_t)(-grid->x_min / grid->step) + 1 + (int64_t)reynolds_reach_back(grid) : 0;
     size_t num_states = artefact_length(file, "state");
     size_t num_unknowns = reduced_num_unknowns(num_pressure, num_deformation);
-    double *part = array_new(num_states, num_unknowns, sizeof *part);
     size_t num_exits = num_states * grid->inner_lines;
     int64_t *exits = array_new(num_states, grid->inner_lines, sizeof *exits);
-    ehd_status status = part && exits ? EHD_OK : ehd_no_memory(error, artefact_path(file));
+    ehd_status status = exits ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     if (!status)
         status = reduced_states_init(states, num_states, grid_lines(grid), num_unknowns, error);
-    for (size_t i = 0; i < 3 && !status; i++)
-        if (parts[i].width > 0) {
-            status = artefact_get(file, parts[i].field, part, num_states * parts[i].width, error);
-            if (!status) copy_coordinates(part, states, parts[i].first, parts[i].width, 0);
-        }
+    list_coordinates(columns, num_pressure, num_deformation);
+    if (!status)
+        status = columns_get(states->coordinates, num_unknowns * sizeof(double), num_states,
+                             columns, file, error);
     if (!status) status = artefact_get_integers(file, "state_exit_node", exits, num_exits, error);
     for (size_t i = 0; i < num_states * grid_lines(grid) && !status; i++)
         states->exit[i] = 1; // boundary lines have no pressure
@@ -308,10 +263,8 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
         for (size_t i = 0; i < num_states && !status; i++)
             states->central_film_thickness[i] = NAN; // other programs may omit the dataset
     if (!status) status = get_trajectory_marks(states, file, exits, error);
-    if (!status) status = get_thinning(states, file, part, error);
-    if (!status) status = get_optional(states, file, part, error);
+    if (!status) status = get_optional(states, file, error);
     free(exits);
-    free(part);
     return status;
 }
 
