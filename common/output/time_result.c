@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/output/time_result.h"
 
+#include "common/output/columns.h"
 #include "common/output/grid_file.h"
 #include "common/output/inputs.h"
 #include "common/output/result.h"
@@ -12,61 +13,60 @@
 
 enum { NUM_SLOTS = 2, SLOT_INVALID = -1 };
 
-/* A real scalar at a point in time. */
-typedef struct scalar {
-    const char *name; // name of the field
-    size_t offset;    // of a double in time_entry, or of a double * in time_series
-} scalar;
+#define MEMBER(name, member) COLUMN(time_entry, name, member)
 
-/* Scalars that are written. */
-static const scalar reals[] = {
-    {"central_film_thickness", offsetof(time_entry, central_film_thickness)},
-    {"minimum_film_thickness", offsetof(time_entry, minimum_film_thickness)},
-    {"central_pressure", offsetof(time_entry, central_pressure)},
-    {"rigid_approach", offsetof(time_entry, rigid_approach)},
-    {"load", offsetof(time_entry, load)},
-    {"contact_half_width", offsetof(time_entry, contact_half_width)},
-    {"frame_hertz_pressure", offsetof(time_entry, frame_hertz_pressure)},
-    {"frame_film_unit", offsetof(time_entry, frame_film_unit)},
-    {"residual_norm", offsetof(time_entry, residual)},
-    {"time_step", offsetof(time_entry, step)},
-    {"time_effect", offsetof(time_entry, effect)},
-    {"time_effect_minimum", offsetof(time_entry, effect_minimum)},
-    {"indicated_deviation", offsetof(time_entry, indicated)},
-    {"indicated_deviation_minimum", offsetof(time_entry, indicated_minimum)}};
+static const column scalars[] = {{MEMBER("central_film_thickness", central_film_thickness)},
+                                 {MEMBER("minimum_film_thickness", minimum_film_thickness)},
+                                 {MEMBER("central_pressure", central_pressure)},
+                                 {MEMBER("rigid_approach", rigid_approach)},
+                                 {MEMBER("load", load)},
+                                 {MEMBER("contact_half_width", contact_half_width)},
+                                 {MEMBER("frame_hertz_pressure", frame_hertz_pressure)},
+                                 {MEMBER("frame_film_unit", frame_film_unit)},
+                                 {MEMBER("residual_norm", residual)},
+                                 {MEMBER("time_step", step)},
+                                 {MEMBER("time_effect", effect)},
+                                 {MEMBER("time_effect_minimum", effect_minimum)},
+                                 {MEMBER("indicated_deviation", indicated)},
+                                 {MEMBER("indicated_deviation_minimum", indicated_minimum)},
+                                 {MEMBER("newton_iterations", newton_iterations), .integer = true},
+                                 {0}};
+static const column place = {MEMBER("surface_position", surface_position)};
 
 /* Scalars that are read. */
-static const scalar series_reals[] = {
-    {"central_film_thickness", offsetof(time_series, central_film_thickness)},
-    {"minimum_film_thickness", offsetof(time_series, minimum_film_thickness)},
-    {"central_pressure", offsetof(time_series, central_pressure)},
-    {"load", offsetof(time_series, load)},
-    {"friction_coefficient", offsetof(time_series, friction_coefficient)}};
+static const struct {
+    const char *name;
+    size_t offset; // of a double * in time_series
+} series_reals[] = {{"central_film_thickness", offsetof(time_series, central_film_thickness)},
+                    {"minimum_film_thickness", offsetof(time_series, minimum_film_thickness)},
+                    {"central_pressure", offsetof(time_series, central_pressure)},
+                    {"load", offsetof(time_series, load)},
+                    {"friction_coefficient", offsetof(time_series, friction_coefficient)}};
 
-enum {
-    NUM_REALS = sizeof reals / sizeof *reals,
-    NUM_SERIES_REALS = sizeof series_reals / sizeof *series_reals
-};
+enum { NUM_SERIES_REALS = sizeof series_reals / sizeof *series_reals };
 
 // ---- creating
 
-static ehd_status declare_traction(artefact *file, bool with_fields, ehd_error *error) {
+static ehd_status declare_all(artefact *file, const column *columns, ehd_error *error) {
     ehd_status status = EHD_OK;
 
-    for (size_t i = 0; i < NUM_TRACTION && !status; i++)
-        status = artefact_declare(file, traction_entries[i].field, error);
+    for (; columns->field && !status; columns++)
+        status = artefact_declare(file, columns->field, error);
+    return status;
+}
+
+static ehd_status declare_traction(artefact *file, bool with_fields, ehd_error *error) {
+    ehd_status status = declare_all(file, traction_columns, error);
+
     if (!status && with_fields) status = artefact_declare(file, "shear_stress_1", error);
     if (!status && with_fields) status = artefact_declare(file, "shear_stress_2", error);
     return status;
 }
 
 static ehd_status declare_scalars(artefact *file, ehd_error *error) {
-    ehd_status status = EHD_OK;
+    ehd_status status = declare_all(file, scalars, error);
 
-    for (size_t i = 0; i < NUM_REALS && !status; i++)
-        status = artefact_declare(file, reals[i].name, error);
     if (!status) status = artefact_declare(file, "exit_position", error);
-    if (!status) status = artefact_declare(file, "newton_iterations", error);
     if (!status) status = artefact_declare(file, "status", error);
     return status;
 }
@@ -131,34 +131,14 @@ static ehd_status put_exits(artefact *file, const time_entry *entries, size_t co
     return status;
 }
 
-/* Writes the double at `offset` of each entry. `column`, [count], is work space. */
-static ehd_status put_real(artefact *file, const char *name, size_t offset,
-                           const time_entry *entries, size_t count, size_t index, double *column,
-                           ehd_error *error) {
-    for (size_t i = 0; i < count; i++)
-        memcpy(&column[i], (const char *)&entries[i] + offset, sizeof *column);
-    return artefact_put_part(file, name, index, count, column, error);
-}
-
 static ehd_status put_scalars(artefact *file, const time_entry *entries, size_t count, size_t index,
-                              double *column, int64_t *integers, size_t num_lines,
-                              ehd_error *error) {
-    ehd_status status = EHD_OK;
+                              int64_t *integers, size_t num_lines, ehd_error *error) {
+    const size_t size = sizeof *entries;
+    ehd_status status = columns_put(file, scalars, index, entries, size, count, error);
 
-    for (size_t i = 0; i < NUM_REALS && !status; i++)
-        status =
-            put_real(file, reals[i].name, reals[i].offset, entries, count, index, column, error);
-    for (size_t i = 0; i < NUM_TRACTION && !status; i++)
-        if (artefact_has(file, traction_entries[i].field))
-            status = put_real(file, traction_entries[i].field,
-                              offsetof(time_entry, traction) + traction_entries[i].offset, entries,
-                              count, index, column, error);
+    if (!status && artefact_has(file, traction_columns->field))
+        status = columns_put(file, traction_columns, index, &entries->traction, size, count, error);
     if (!status) status = put_exits(file, entries, count, num_lines, index, error);
-    for (size_t i = 0; i < count; i++)
-        integers[i] = (int64_t)entries[i].newton_iterations;
-    if (!status)
-        status =
-            artefact_put_integers_part(file, "newton_iterations", index, count, integers, error);
     for (size_t i = 0; i < count; i++)
         integers[i] = result_stored_status(entries[i].status);
     if (!status) status = artefact_put_integers_part(file, "status", index, count, integers, error);
@@ -166,9 +146,8 @@ static ehd_status put_scalars(artefact *file, const time_entry *entries, size_t 
         integers[i] = entries[i].by_full_model;
     if (!status && artefact_has(file, "by_full_model"))
         status = artefact_put_integers_part(file, "by_full_model", index, count, integers, error);
-    if (!status && artefact_has(file, "surface_position"))
-        status = put_real(file, "surface_position", offsetof(time_entry, surface_position), entries,
-                          count, index, column, error);
+    if (!status && artefact_has(file, place.field))
+        status = column_put(file, &place, index, entries, size, count, error);
     return status;
 }
 
@@ -189,21 +168,21 @@ static ehd_status put_fields(artefact *file, const time_entry *entry, const ehd_
 
 ehd_status time_result_append(artefact *file, const ehd_grid *grid, const time_entry *entries,
                               size_t count, size_t index, ehd_error *error) {
-    double *column = malloc((count + 1) * sizeof *column);
+    double *times = malloc((count + 1) * sizeof *times);
     int64_t *integers = malloc((count + 1) * sizeof *integers);
     ehd_status status = EHD_OK;
 
-    if (!column || !integers) status = ehd_no_memory(error, artefact_path(file));
+    if (!times || !integers) status = ehd_no_memory(error, artefact_path(file));
     for (size_t i = 0; i < count && !status; i++)
         status = put_fields(file, &entries[i], grid, index + i, error);
     if (!status)
-        status = put_scalars(file, entries, count, index, column, integers,
-                             grid_whole(grid).inner_lines, error);
+        status =
+            put_scalars(file, entries, count, index, integers, grid_whole(grid).inner_lines, error);
     for (size_t i = 0; i < count && !status; i++)
-        column[i] = entries[i].time;
-    if (!status) status = artefact_put_axis_part(file, "time", index, count, column, error);
+        times[i] = entries[i].time;
+    if (!status) status = artefact_put_axis_part(file, "time", index, count, times, error);
     if (!status) status = artefact_flush(file, error);
-    free(column);
+    free(times);
     free(integers);
     return status;
 }

@@ -9,24 +9,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ENTRY(field, member, text)                                                                 \
-    { #field, offsetof(contact_traction, member), text }
+#define MEMBER(name, member) COLUMN(contact_traction, name, member)
 
-const traction_entry traction_entries[NUM_TRACTION] = {
-    ENTRY(friction_coefficient, coefficient, "friction coefficient"),
-    ENTRY(friction_force, friction, "friction force"),
-    ENTRY(rolling_resistance, rolling_resistance, "rolling resistance"),
-    ENTRY(rolling_moment, rolling_moment, "rolling moment"),
-    ENTRY(power_loss, power, "power loss"),
-    ENTRY(mean_shear_stress, mean_stress, "mean shear stress"),
-    ENTRY(largest_shear_stress, largest_stress, "largest shear stress")};
-
-static double value_of(const contact_traction *traction, size_t entry) {
-    double value;
-
-    memcpy(&value, (const char *)traction + traction_entries[entry].offset, sizeof value);
-    return value;
-}
+const column traction_columns[] = {{MEMBER("friction_coefficient", coefficient)},
+                                   {MEMBER("friction_force", friction)},
+                                   {MEMBER("rolling_resistance", rolling_resistance)},
+                                   {MEMBER("rolling_moment", rolling_moment)},
+                                   {MEMBER("power_loss", power)},
+                                   {MEMBER("mean_shear_stress", mean_stress)},
+                                   {MEMBER("largest_shear_stress", largest_stress)},
+                                   {0}};
 
 ehd_status traction_put_units(artefact *file, const ehd_contact *contact, ehd_error *error) {
     const bool point = contact->kind->dimensions > 1;
@@ -41,13 +33,7 @@ ehd_status traction_put_units(artefact *file, const ehd_contact *contact, ehd_er
 }
 
 ehd_status traction_put(artefact *file, const contact_traction *traction, ehd_error *error) {
-    ehd_status status = EHD_OK;
-
-    for (size_t i = 0; i < NUM_TRACTION && !status; i++) {
-        const double value = value_of(traction, i);
-        status = artefact_put(file, traction_entries[i].field, &value, error);
-    }
-    return status;
+    return columns_put(file, traction_columns, 0, traction, sizeof *traction, 1, error);
 }
 
 ehd_status traction_put_stresses(artefact *file, size_t index, const ehd_contact *contact,
@@ -80,19 +66,24 @@ void traction_print(const contact_traction *traction, const ehd_contact *contact
                     const film_effects *effects) {
     const double off = film_effects_of_rolling(effects);
     const double rolled = 2 * traction->rolling_resistance * contact->far_speed / traction->power;
-    const double errors[NUM_TRACTION] = {0, 0, off, off, off * fabs(rolled), 0, 0};
     const double load = contact->load, stress = contact->hertz_pressure * 1e-6;
-    const double scales[NUM_TRACTION] = {
-        1, load, load, load * contact->half_width, load * contact->speed, stress, stress};
-    static const char *const units[2][NUM_TRACTION] = {{"", "N/m", "N/m", "N", "W/m", "MPa", "MPa"},
-                                                       {"", "N", "N", "N m", "W", "MPa", "MPa"}};
+    const struct {
+        const char *text, *units[2]; // units of a line contact, and of the other kinds
+        double value, scale, error;
+    } lines[] = {
+        {"friction coefficient", {"", ""}, traction->coefficient, 1, 0},
+        {"friction force", {"N/m", "N"}, traction->friction, load, 0},
+        {"rolling resistance", {"N/m", "N"}, traction->rolling_resistance, load, off},
+        {"rolling moment", {"N", "N m"}, traction->rolling_moment, load * contact->half_width, off},
+        {"power loss", {"W/m", "W"}, traction->power, load * contact->speed, off * fabs(rolled)},
+        {"mean shear stress", {"MPa", "MPa"}, traction->mean_stress, stress, 0},
+        {"largest shear stress", {"MPa", "MPa"}, traction->largest_stress, stress, 0}};
 
-    for (size_t i = 0; i < NUM_TRACTION; i++) {
-        const char *unit = units[contact->kind->dimensions > 1][i];
-        const double value = value_of(traction, i);
-        printf("%-24s%-*.*g", traction_entries[i].text, *unit ? 14 : 0, digits_of(errors[i], 8),
-               value);
-        if (*unit) printf("%.*g %s", digits_of(errors[i], 6), value * scales[i], unit);
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+        const char *unit = lines[i].units[contact->kind->dimensions > 1];
+        const double value = lines[i].value;
+        printf("%-24s%-*.*g", lines[i].text, *unit ? 14 : 0, digits_of(lines[i].error, 8), value);
+        if (*unit) printf("%.*g %s", digits_of(lines[i].error, 6), value * lines[i].scale, unit);
         putchar('\n');
     }
     if (fabs(traction->coefficient) > MUCH_FRICTION && contact->alpha_p_H > 1)

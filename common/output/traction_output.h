@@ -4,19 +4,12 @@
 #define EHD_TRACTION_OUTPUT_H
 
 #include "common/artefact/artefact.h"
+#include "common/output/columns.h"
 #include "common/output/film_effects.h"
 #include "common/physics/traction.h"
 
-enum { NUM_TRACTION = 7 };
-
-/* One number of a contact_traction. */
-typedef struct traction_entry {
-    const char *field; // in files: "friction_coefficient"
-    size_t offset;     // offset of a double in contact_traction
-    const char *text;  // printed: "friction coefficient"
-} traction_entry;
-
-extern const traction_entry traction_entries[NUM_TRACTION];
+/* The numbers of a contact_traction that are written: "friction_coefficient", … Ends with {0}. */
+extern const column traction_columns[];
 
 /* Writes slide_roll and the attributes that convert traction to SI units, except for those that
  * result_put_contact writes. */
