@@ -3,6 +3,7 @@
  * scene, calls the solver or the march, and writes the result.
  * Called from the command line, and by the pipelines in scenes. */
 #include "common/output/check.h"
+#include "common/output/columns.h"
 #include "common/output/grid_file.h"
 #include "common/output/inputs.h"
 #include "common/output/print.h"
@@ -223,19 +224,13 @@ static ehd_status solve(full_info *info, full_state *state, const program *calle
 
 static ehd_status put_resolution(artefact *file, const full_resolution *resolution,
                                  ehd_error *error) {
-    const struct {
-        const char *name;
-        size_t value;
-    } counts[] = {{"inlet_nodes", resolution->inlet_nodes},
-                  {"spike_nodes", resolution->spike_nodes},
-                  {"outlet_nodes", resolution->outlet_nodes}};
-    ehd_status status = EHD_OK;
+    const named_number numbers[] = {{"observed_order", resolution->order},
+                                    {"inlet_nodes", (double)resolution->inlet_nodes},
+                                    {"spike_nodes", (double)resolution->spike_nodes},
+                                    {"outlet_nodes", (double)resolution->outlet_nodes},
+                                    {0}};
 
-    if (!isnan(resolution->order))
-        status = artefact_put_real(file, "observed_order", resolution->order, error);
-    for (size_t i = 0; i < sizeof counts / sizeof *counts && !status; i++)
-        status = artefact_put_integer(file, counts[i].name, (int64_t)counts[i].value, error);
-    return status;
+    return numbers_put_known(file, 0, numbers, error);
 }
 
 static void note_resolution(const program *self, const full_resolution *resolution,

@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "podbuild/part_file.h"
 
+#include "common/output/columns.h"
 #include "common/output/grid_file.h"
 #include "romrun/model/basis_file.h"
 
 static ehd_status put_origin(artefact *file, const part_origin *origin, ehd_error *error) {
-    ehd_status status =
-        artefact_put_integer(file, "num_snapshots", (int64_t)origin->num_snapshots, error);
+    const named_number numbers[] = {{"num_snapshots", (double)origin->num_snapshots},
+                                    {"num_left_out", (double)origin->num_left_out},
+                                    {"energy", origin->energy},
+                                    {"energy_discarded", origin->discarded},
+                                    {0}};
+    const ehd_status status = numbers_put(file, 0, numbers, error);
 
-    if (!status)
-        status = artefact_put_integer(file, "num_left_out", (int64_t)origin->num_left_out, error);
-    if (!status) status = artefact_put_real(file, "energy", origin->energy, error);
-    if (!status) status = artefact_put_real(file, "energy_discarded", origin->discarded, error);
     return status ? status
                   : artefact_put(file, "pressure_singular_values", origin->singular_values, error);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "snapgen/adaptive_file.h"
 
+#include "common/output/columns.h"
 #include "common/output/grid_file.h"
 #include "snapgen/snapshots.h"
 
@@ -32,18 +33,16 @@ static const char *const film_fields[NUM_FILMS] = {"central_film_thickness",
 
 static ehd_status put_choice(artefact *file, size_t place, const adaptive_state *state,
                              ehd_error *error) {
-    const int64_t point = (int64_t)state->point, round = (int64_t)state->round;
     const trial_verdict *verdict = &state->verdict;
-    ehd_status status = artefact_put_integers_part(file, "training_point", place, 1, &point, error);
+    const named_number numbers[] = {{"training_point", (double)state->point},
+                                    {"training_round", (double)state->round},
+                                    {bound_fields[0], verdict->bound[0]},
+                                    {guess_fields[0], verdict->film[0]},
+                                    {bound_fields[1], verdict->bound[1]},
+                                    {guess_fields[1], verdict->film[1]},
+                                    {0}};
 
-    if (!status)
-        status = artefact_put_integers_part(file, "training_round", place, 1, &round, error);
-    for (int f = 0; f < NUM_FILMS && !status; f++) {
-        status = artefact_put_part(file, bound_fields[f], place, 1, &verdict->bound[f], error);
-        if (!status)
-            status = artefact_put_part(file, guess_fields[f], place, 1, &verdict->film[f], error);
-    }
-    return status;
+    return numbers_put(file, place, numbers, error);
 }
 
 /* Writes the numbers of the states from `first` on. This sets the length of the axis `state`. */
@@ -309,14 +308,12 @@ ehd_status adaptive_file_put_curve(artefact *file, const adaptive_round *rounds,
 
     if (!status) status = artefact_put_axis(file, "round", num_rounds, NULL, error);
     for (size_t i = 0; i < num_rounds && !status; i++) {
-        const int64_t num_points = (int64_t)rounds[i].num_points;
-        status = artefact_put_integers_part(file, "round_points", i, 1, &num_points, error);
-        if (!status)
-            status = artefact_put_part(file, "round_indicated", i, 1, &rounds[i].indicated, error);
-        if (!status)
-            status = artefact_put_part(file, "round_deviation", i, 1, &rounds[i].deviation, error);
-        if (!status)
-            status = artefact_put_part(file, "round_seconds", i, 1, &rounds[i].seconds, error);
+        const named_number numbers[] = {{"round_points", (double)rounds[i].num_points},
+                                        {"round_indicated", rounds[i].indicated},
+                                        {"round_deviation", rounds[i].deviation},
+                                        {"round_seconds", rounds[i].seconds},
+                                        {0}};
+        status = numbers_put(file, i, numbers, error);
     }
     return status;
 }

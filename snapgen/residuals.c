@@ -2,6 +2,7 @@
 #include "snapgen/residuals.h"
 
 #include "common/artefact/artefact.h"
+#include "common/output/columns.h"
 #include "common/program/arena.h"
 #include "common/time/path_filter.h"
 #include "common/training/pool.h"
@@ -288,14 +289,12 @@ static ehd_status put_compressed(artefact *file, const trajectories *repeated, s
                 artefact_put_integers_part(file, "iteration_state", first + i, 1, &none, error);
     }
     free(row);
-    if (!status)
-        status = artefact_put_integer(file, "compressed_iterations",
-                                      (int64_t)repeated->first.num_snapshots, error);
-    return status ? status
-                  : artefact_put_real(
-                        file, "compressed_energy_discarded",
-                        fmax(pod_discarded(&repeated->first), pod_discarded(&repeated->second)),
-                        error);
+    const double first_left = pod_discarded(&repeated->first);
+    const named_number numbers[] = {
+        {"compressed_iterations", (double)repeated->first.num_snapshots},
+        {"compressed_energy_discarded", fmax(first_left, pod_discarded(&repeated->second))},
+        {0}};
+    return status ? status : numbers_put(file, 0, numbers, error);
 }
 
 static ehd_status put_exits(artefact *file, size_t place, const size_t *exits, size_t num_lines,
@@ -314,24 +313,15 @@ static ehd_status put_exits(artefact *file, size_t place, const size_t *exits, s
 static ehd_status put_state(artefact *file, size_t place, const size_t *exits, size_t num_lines,
                             bool failed, size_t iterations, double moes_M, double alpha_p_H,
                             double film, ehd_error *error) {
-    const struct {
-        const char *field;
-        int64_t value;
-    } integers[] = {{"status", failed ? 1 : 0}, {"newton_iterations", (int64_t)iterations}};
-    const struct {
-        const char *field;
-        double value;
-    } reals[] = {{"state_moes_M", moes_M},
-                 {"state_alpha_p_H", alpha_p_H},
-                 {"state_central_film_thickness", film}};
-    ehd_status status = put_exits(file, place, exits, num_lines, error);
+    const named_number numbers[] = {{"status", failed ? 1 : 0},
+                                    {"newton_iterations", (double)iterations},
+                                    {"state_moes_M", moes_M},
+                                    {"state_alpha_p_H", alpha_p_H},
+                                    {"state_central_film_thickness", film},
+                                    {0}};
+    const ehd_status status = put_exits(file, place, exits, num_lines, error);
 
-    for (size_t k = 0; k < 2 && !status; k++)
-        status = artefact_put_integers_part(file, integers[k].field, place, 1, &integers[k].value,
-                                            error);
-    for (size_t k = 0; k < 3 && !status; k++)
-        status = artefact_put_part(file, reals[k].field, place, 1, &reals[k].value, error);
-    return status;
+    return status ? status : numbers_put(file, place, numbers, error);
 }
 
 static ehd_status put_states(artefact *file, const repeated_training *training, ehd_error *error) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "snapgen/snapshots.h"
 
+#include "common/output/columns.h"
 #include "common/output/grid_file.h"
 #include "common/output/inputs.h"
 #include "common/physics/traction.h"
@@ -16,29 +17,33 @@
 /* Writes the thinning of a state, if the file has columns for thinned flows. */
 static ehd_status put_thinning(artefact *file, size_t state, flow_thinning thinning,
                                ehd_error *error) {
-    if (!artefact_has(file, "thinning")) return EHD_OK;
-    const ehd_status status =
-        artefact_put_part(file, "thinning", state, 1, &thinning.sliding, error);
-    return status
-               ? status
-               : artefact_put_part(file, "gradient_thinning", state, 1, &thinning.gradient, error);
+    const named_number numbers[] = {
+        {"thinning", thinning.sliding}, {"gradient_thinning", thinning.gradient}, {0}};
+
+    return artefact_has(file, "thinning") ? numbers_put(file, state, numbers, error) : EHD_OK;
+}
+
+static ehd_status put_rises(artefact *file, size_t state, const lubricant_rises *rises,
+                            ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (int r = 0; r < NUM_RISES && !status; r++)
+        status = artefact_put_part(file, lubricant_rise_names[r], state, 1, &rises->of[r], error);
+    return status;
 }
 
 ehd_status snapshots_put_contact(artefact *file, size_t state, const ehd_contact *contact,
                                  ehd_error *error) {
-    ehd_status status = artefact_put_part(file, "moes_M", state, 1, &contact->moes_M, error);
-
-    if (!status) status = artefact_put_part(file, "moes_L", state, 1, &contact->moes_L, error);
-    if (!status)
-        status = artefact_put_part(file, "alpha_p_H", state, 1, &contact->alpha_p_H, error);
-    if (!status)
-        status =
-            artefact_put_part(file, "hertz_pressure", state, 1, &contact->hertz_pressure, error);
-    if (!status) status = put_thinning(file, state, traction_thinning(contact), error);
+    const named_number numbers[] = {{"moes_M", contact->moes_M},
+                                    {"moes_L", contact->moes_L},
+                                    {"alpha_p_H", contact->alpha_p_H},
+                                    {"hertz_pressure", contact->hertz_pressure},
+                                    {0}};
     const lubricant_rises rises = lubricant_rises_at(&contact->lubricant, contact->hertz_pressure);
-    for (int r = 0; r < NUM_RISES && !status; r++)
-        status = artefact_put_part(file, lubricant_rise_names[r], state, 1, &rises.of[r], error);
-    return status;
+    ehd_status status = numbers_put(file, state, numbers, error);
+
+    if (!status) status = put_thinning(file, state, traction_thinning(contact), error);
+    return status ? status : put_rises(file, state, &rises, error);
 }
 
 /* Writes the contacts of all points before any point is solved. */
@@ -158,20 +163,17 @@ static ehd_status put_solution(artefact *file, const training_set *set, size_t p
                                const snapshot *solution, ehd_error *error) {
     const full_state *state = &solution->state;
     const contact_scalars *scalars = &solution->scalars;
-    const struct {
-        const char *name;
-        const double *values;
-    } reals[] = {{"rigid_approach", &state->rigid_approach},
-                 {"central_film_thickness", &scalars->central_film_thickness},
-                 {"minimum_film_thickness", &scalars->minimum_film_thickness},
-                 {"central_pressure", &scalars->central_pressure},
-                 {"complementarity", &solution->complementarity}};
+    const named_number numbers[] = {{"rigid_approach", state->rigid_approach},
+                                    {"central_film_thickness", scalars->central_film_thickness},
+                                    {"minimum_film_thickness", scalars->minimum_film_thickness},
+                                    {"central_pressure", scalars->central_pressure},
+                                    {"complementarity", solution->complementarity},
+                                    {0}};
     ehd_status status = put_fields(file, &set->grid, point, state->pressure, state->film, error);
 
     if (!status && set->grid.inner_lines == 1) // the exit may lie within the cell of a node
         status = artefact_put_part(file, "exit_position", point, 1, &scalars->exit_position, error);
-    for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
-        status = artefact_put_part(file, reals[i].name, point, 1, reals[i].values, error);
+    if (!status) status = numbers_put(file, point, numbers, error);
     for (int e = 0; e < NUM_EFFECTS && !status; e++)
         if (artefact_has(file, film_effect_names[e]))
             status = artefact_put_part(file, film_effect_names[e], point, 1,
@@ -182,16 +184,14 @@ static ehd_status put_solution(artefact *file, const training_set *set, size_t p
 ehd_status snapshots_store(void *sink, const training_set *set, size_t point,
                            const snapshot *solution, ehd_error *error) {
     artefact *file = sink;
-    const int64_t iterations = (int64_t)solution->newton_iterations;
+    const named_number numbers[] = {{"newton_iterations", (double)solution->newton_iterations},
+                                    {"residual_norm", solution->residual},
+                                    {0}};
     const int64_t outcome = solution->status ? 1 : 0;
     ehd_status status = EHD_OK;
 
     if (!solution->status) status = put_solution(file, set, point, solution, error);
-    if (!status)
-        status =
-            artefact_put_integers_part(file, "newton_iterations", point, 1, &iterations, error);
-    if (!status)
-        status = artefact_put_part(file, "residual_norm", point, 1, &solution->residual, error);
+    if (!status) status = numbers_put(file, point, numbers, error);
     // the status is written last: it marks that the other data are on the disk
     if (!status) status = artefact_sync(file, error);
     if (!status) status = artefact_put_integers_part(file, "status", point, 1, &outcome, error);
@@ -205,44 +205,38 @@ ehd_status snapshots_store(void *sink, const training_set *set, size_t point,
 static ehd_status put_kept_state(artefact *file, const ehd_grid *grid, size_t place,
                                  int64_t trajectory, const kept_state *state, bool failed,
                                  ehd_error *error) {
-    const struct {
-        const char *name;
-        const double *values;
-    } reals[] = {{"rigid_approach", &state->scalars.rigid_approach},
-                 {"central_film_thickness", &state->scalars.central_film_thickness},
-                 {"minimum_film_thickness", &state->scalars.minimum_film_thickness},
-                 {"central_pressure", &state->scalars.central_pressure},
-                 {"moes_M", &state->moes_M},
-                 {"moes_L", &state->moes_L},
-                 {"alpha_p_H", &state->alpha_p_H},
-                 {"hertz_pressure", &state->hertz_pressure},
-                 {"residual_norm", &state->residual},
-                 {"trajectory_time", &state->time},
-                 {"trajectory_rate", &state->rate},
-                 {"trajectory_load_rate", &state->load_rate}};
-    const struct {
-        const char *name;
-        int64_t value;
-    } integers[] = {{"newton_iterations", (int64_t)state->iterations},
-                    {"trajectory", trajectory},
-                    {"status", failed ? 1 : 0}};
+    const contact_scalars *scalars = &state->scalars;
+    const named_number solution[] = {{"rigid_approach", scalars->rigid_approach},
+                                     {"central_film_thickness", scalars->central_film_thickness},
+                                     {"minimum_film_thickness", scalars->minimum_film_thickness},
+                                     {"central_pressure", scalars->central_pressure},
+                                     {"moes_M", state->moes_M},
+                                     {"moes_L", state->moes_L},
+                                     {"alpha_p_H", state->alpha_p_H},
+                                     {"hertz_pressure", state->hertz_pressure},
+                                     {"residual_norm", state->residual},
+                                     {"trajectory_time", state->time},
+                                     {"trajectory_rate", state->rate},
+                                     {"trajectory_load_rate", state->load_rate},
+                                     {0}};
+    const named_number outcome[] = {{"newton_iterations", (double)state->iterations},
+                                    {"trajectory", (double)trajectory},
+                                    {"status", failed ? 1 : 0},
+                                    {0}};
     ehd_status status =
         failed ? EHD_OK : put_fields(file, grid, place, state->pressure, state->film, error);
 
-    for (size_t i = 0; i < sizeof reals / sizeof *reals && !status && !failed; i++)
-        status = artefact_put_part(file, reals[i].name, place, 1, reals[i].values, error);
+    if (!status && !failed) status = numbers_put(file, place, solution, error);
     if (!status) status = put_thinning(file, place, state->thinning, error);
-    for (int r = 0; r < NUM_RISES && !status && !failed; r++)
-        status =
-            artefact_put_part(file, lubricant_rise_names[r], place, 1, &state->rises.of[r], error);
-    for (size_t i = 0; i < sizeof integers / sizeof *integers && !status; i++)
-        status =
-            artefact_put_integers_part(file, integers[i].name, place, 1, &integers[i].value, error);
-    return status;
+    if (!status && !failed) status = put_rises(file, place, &state->rises, error);
+    return status ? status : numbers_put(file, place, outcome, error);
 }
 
 static ehd_status put_compressed(artefact *file, const ehd_grid *grid, const pod_basis *set,
                                  ehd_error *error) {
+    const named_number numbers[] = {{"compressed_snapshots", (double)set->num_snapshots},
+                                    {"compressed_energy_discarded", pod_discarded(set)},
+                                    {0}};
     ehd_status status = artefact_put_axis(file, "compressed", set->num_modes, NULL, error);
     double *row = array_new(set->num_nodes, 1, sizeof *row);
 
@@ -256,12 +250,7 @@ static ehd_status put_compressed(artefact *file, const ehd_grid *grid, const pod
     free(row);
     if (!status)
         status = artefact_put(file, "compressed_singular_values", set->singular_values, error);
-    if (!status)
-        status =
-            artefact_put_integer(file, "compressed_snapshots", (int64_t)set->num_snapshots, error);
-    if (!status)
-        status = artefact_put_real(file, "compressed_energy_discarded", pod_discarded(set), error);
-    return status;
+    return status ? status : numbers_put(file, 0, numbers, error);
 }
 
 ehd_status snapshots_put_trajectories(artefact *file, const training_set *set,

@@ -3,6 +3,7 @@
 
 #include "common/program/arena.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -72,4 +73,48 @@ bool columns_are_in(const artefact *file, const column *columns) {
     for (; columns->field; columns++)
         all = all && (columns->optional || artefact_has(file, columns->field));
     return all;
+}
+
+// ---- named numbers
+
+static ehd_status put_entry(artefact *file, size_t entry, const named_number *number,
+                            ehd_error *error) {
+    const artefact_field *field = artefact_kind(file)->fields;
+
+    while (field->name && strcmp(field->name, number->name) != 0)
+        field++;
+    if (field->type == ARTEFACT_REAL)
+        return artefact_put_part(file, number->name, entry, 1, &number->value, error);
+    const int64_t integer = (int64_t)number->value;
+    return artefact_put_integers_part(file, number->name, entry, 1, &integer, error);
+}
+
+static ehd_status put_number(artefact *file, size_t entry, const named_number *number,
+                             ehd_error *error) {
+    const artefact_attribute *attribute = artefact_kind(file)->attributes;
+
+    while (attribute->name && strcmp(attribute->name, number->name) != 0)
+        attribute++;
+    if (!attribute->name) return put_entry(file, entry, number, error);
+    return attribute->type == ARTEFACT_INTEGER
+               ? artefact_put_integer(file, number->name, (int64_t)number->value, error)
+               : artefact_put_real(file, number->name, number->value, error);
+}
+
+ehd_status numbers_put(artefact *file, size_t entry, const named_number *numbers,
+                       ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (; numbers->name && !status; numbers++)
+        status = put_number(file, entry, numbers, error);
+    return status;
+}
+
+ehd_status numbers_put_known(artefact *file, size_t entry, const named_number *numbers,
+                             ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (; numbers->name && !status; numbers++)
+        if (!isnan(numbers->value)) status = put_number(file, entry, numbers, error);
+    return status;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Writes members of structs as datasets of a file, and reads them. */
+/* Writes members of structs as datasets of a file, and reads them. Writes lists of named numbers. */
 #ifndef EHD_COLUMNS_H
 #define EHD_COLUMNS_H
 
@@ -42,5 +42,21 @@ ehd_status column_get(void *structs, size_t size, size_t count, const column *se
 
 /* Checks whether a file has all columns that are not optional. */
 bool columns_are_in(const artefact *file, const column *columns);
+
+/* A number and its name in a file: an attribute, or a field with one number for each entry. */
+typedef struct named_number {
+    const char *name;
+    double value; // converted if the schema has an integer
+} named_number;
+
+/* Writes attributes, and entry `entry` of fields. Errors: as artefact_put. */
+ehd_status numbers_put(artefact *file, size_t entry,
+                       const named_number *numbers, // ends with {0}
+                       ehd_error *error);
+
+/* Writes the numbers that are not NaN. */
+ehd_status numbers_put_known(artefact *file, size_t entry,
+                             const named_number *numbers, // ends with {0}
+                             ehd_error *error);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/output/result.h"
 
+#include "common/output/columns.h"
 #include "common/output/grid_file.h"
 #include "common/output/traction_output.h"
 #include "common/physics/inlet_heating.h"
@@ -14,28 +15,27 @@
 // ---- writing
 
 ehd_status result_put_contact(artefact *file, const ehd_contact *contact, ehd_error *error) {
-    const struct {
-        const char *name;
-        double value; // NaN if the scene is not in SI units
-    } units[] = {{"half_width", contact->half_width},
-                 {"half_width_across",
-                  contact->kind == &contact_ellipse ? contact_half_width_across(contact) : NAN},
-                 {"film_unit", contact_film_scale(contact)},
-                 {"time_unit", contact_time_scale(contact)},
-                 {contact->kind->dimensions > 1 ? "point_load" : "line_load", contact->load}};
-    ehd_status status = grid_write_attributes(file, contact->kind, &contact->grid, error);
-    if (!status) status = artefact_put_real(file, "hertz_pressure", contact->hertz_pressure, error);
-    if (!status) status = artefact_put_real(file, "moes_M", contact->moes_M, error);
-    if (!status) status = artefact_put_real(file, "moes_L", contact->moes_L, error);
-    if (!status) status = artefact_put_real(file, "alpha_p_H", contact->alpha_p_H, error);
-    for (size_t i = 0; i < sizeof units / sizeof *units && !status; i++)
-        if (isfinite(units[i].value))
-            status = artefact_put_real(file, units[i].name, units[i].value, error);
+    const bool ellipse = contact->kind == &contact_ellipse, thins = traction_thins_flow(contact);
     const flow_thinning thinning = traction_thinning(contact);
-    if (!status && traction_thins_flow(contact))
-        status = artefact_put_real(file, "thinning", thinning.sliding, error);
-    if (!status && traction_thins_flow(contact))
-        status = artefact_put_real(file, "gradient_thinning", thinning.gradient, error);
+    const named_number numbers[] = {{"hertz_pressure", contact->hertz_pressure},
+                                    {"moes_M", contact->moes_M},
+                                    {"moes_L", contact->moes_L},
+                                    {"alpha_p_H", contact->alpha_p_H},
+                                    {0}};
+    const named_number known[] = {
+        // NaN if the scene is not in SI units, or sliding thins no flow
+        {"half_width", contact->half_width},
+        {"half_width_across", ellipse ? contact_half_width_across(contact) : NAN},
+        {"film_unit", contact_film_scale(contact)},
+        {"time_unit", contact_time_scale(contact)},
+        {contact->kind->dimensions > 1 ? "point_load" : "line_load", contact->load},
+        {"thinning", thins ? thinning.sliding : NAN},
+        {"gradient_thinning", thins ? thinning.gradient : NAN},
+        {0}};
+    ehd_status status = grid_write_attributes(file, contact->kind, &contact->grid, error);
+
+    if (!status) status = numbers_put(file, 0, numbers, error);
+    if (!status) status = numbers_put_known(file, 0, known, error);
     if (!status && contact_has_traction(contact)) status = traction_put_units(file, contact, error);
     return status;
 }
@@ -59,22 +59,18 @@ int64_t result_stored_status(ehd_status status) {
 }
 
 ehd_status result_put_seconds(artefact *file, const run_result *result, ehd_error *error) {
-    const struct {
-        const char *name;
-        double seconds;
-    } parts[] = {{"solve_seconds_rows", result->seconds_rows},
-                 {"solve_seconds_linear", result->seconds_linear},
-                 {"solve_seconds_exit", result->seconds_exit}};
+    const double parts[] = {result->seconds_rows, result->seconds_linear, result->seconds_exit};
     double rest = result->seconds;
-    ehd_status status = artefact_put_real(file, "solve_seconds", result->seconds, error);
 
-    for (size_t i = 0; i < sizeof parts / sizeof *parts && !status; i++) {
-        if (isnan(parts[i].seconds)) continue;
-        status = artefact_put_real(file, parts[i].name, parts[i].seconds, error);
-        rest -= parts[i].seconds;
-    }
-    if (!status) status = artefact_put_real(file, "solve_seconds_other", rest, error);
-    return status;
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+        if (!isnan(parts[i])) rest -= parts[i];
+    const named_number numbers[] = {{"solve_seconds", result->seconds},
+                                    {"solve_seconds_rows", result->seconds_rows},
+                                    {"solve_seconds_linear", result->seconds_linear},
+                                    {"solve_seconds_exit", result->seconds_exit},
+                                    {"solve_seconds_other", rest},
+                                    {0}};
+    return numbers_put_known(file, 0, numbers, error);
 }
 
 static ehd_status put_fields(artefact *file, const run_result *result, const ehd_grid *grid,
@@ -90,39 +86,33 @@ static ehd_status put_fields(artefact *file, const run_result *result, const ehd
 }
 
 static ehd_status put_scalars(artefact *file, const run_result *result, ehd_error *error) {
-    const struct {
-        const char *name;
-        double value;
-    } reals[] = {{"central_film_thickness", result->central_film_thickness},
-                 {"minimum_film_thickness", result->minimum_film_thickness},
-                 {"central_pressure", result->central_pressure},
-                 {"rigid_approach", result->rigid_approach},
-                 {"load", result->load},
-                 {"contact_half_width", 1}, // a stationary result is in the reference frame
-                 {"frame_hertz_pressure", 1},
-                 {"frame_film_unit", 1},
-                 {"residual_norm", result->residual}};
+    const named_number numbers[] = {{"central_film_thickness", result->central_film_thickness},
+                                    {"minimum_film_thickness", result->minimum_film_thickness},
+                                    {"central_pressure", result->central_pressure},
+                                    {"rigid_approach", result->rigid_approach},
+                                    {"load", result->load},
+                                    // a stationary result is in the reference frame
+                                    {"contact_half_width", 1},
+                                    {"frame_hertz_pressure", 1},
+                                    {"frame_film_unit", 1},
+                                    {"residual_norm", result->residual},
+                                    {"newton_iterations", (double)result->newton_iterations},
+                                    {"status", (double)result_stored_status(result->status)},
+                                    {0}};
+    const bool one_model = result->solved_by == SOLVED_BY_ANY;
+    const named_number known[] = {
+        {"indicated_deviation", result->indicated_deviation},
+        {"indicated_deviation_minimum", result->indicated_deviation_minimum},
+        {"by_full_model", one_model ? NAN : result->solved_by == SOLVED_BY_FULL},
+        {0}};
     const double *exits = result->exits ? result->exits : &result->exit_position;
-    const int64_t iterations = (int64_t)result->newton_iterations;
-    const int64_t outcome = result_stored_status(result->status);
-    const int64_t by_full_model = result->solved_by == SOLVED_BY_FULL;
-    ehd_status status = EHD_OK;
+    ehd_status status = numbers_put(file, 0, numbers, error);
 
-    for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
-        status = artefact_put(file, reals[i].name, &reals[i].value, error);
     if (!status) status = artefact_put(file, "exit_position", exits, error);
-    if (!status && !isnan(result->indicated_deviation))
-        status = artefact_put(file, "indicated_deviation", &result->indicated_deviation, error);
-    if (!status && !isnan(result->indicated_deviation_minimum))
-        status = artefact_put(file, "indicated_deviation_minimum",
-                              &result->indicated_deviation_minimum, error);
+    if (!status) status = numbers_put_known(file, 0, known, error);
     for (int q = 0; q < NUM_INDICATED && result->indicated && !status; q++)
         if (!isnan(result->indicated[q]))
             status = artefact_put(file, indicated_entries[q].field, &result->indicated[q], error);
-    if (!status) status = artefact_put_integers(file, "newton_iterations", &iterations, error);
-    if (!status) status = artefact_put_integers(file, "status", &outcome, error);
-    if (!status && result->solved_by != SOLVED_BY_ANY)
-        status = artefact_put_integers(file, "by_full_model", &by_full_model, error);
     return status;
 }
 

@@ -287,18 +287,16 @@ ehd_status time_result_resume(artefact **file, double *restart, size_t *num_entr
 
 // ---- finishing
 
-static ehd_status put_counts(artefact *file, const time_summary *summary, ehd_error *error) {
-    const struct {
-        const char *name;
-        size_t count;
-    } counts[] = {{"steps", summary->num_steps},
-                  {"rejected_steps", summary->num_rejected},
-                  {"total_newton_iterations", summary->newton_iterations}};
-    ehd_status status = EHD_OK;
+static ehd_status put_summary(artefact *file, const time_summary *summary, ehd_error *error) {
+    const bool with_models = artefact_has(file, "by_full_model");
+    const named_number numbers[] = {{"steps", (double)summary->num_steps},
+                                    {"rejected_steps", (double)summary->num_rejected},
+                                    {"total_newton_iterations", (double)summary->newton_iterations},
+                                    {"full_steps", with_models ? (double)summary->full_steps : NAN},
+                                    {"full_seconds", with_models ? summary->seconds_full : NAN},
+                                    {0}};
 
-    for (size_t i = 0; i < sizeof counts / sizeof *counts && !status; i++)
-        status = artefact_put_integer(file, counts[i].name, (int64_t)counts[i].count, error);
-    return status;
+    return numbers_put_known(file, 0, numbers, error);
 }
 
 ehd_status time_result_finish(artefact **file, const time_summary *summary, ehd_error *error) {
@@ -309,12 +307,7 @@ ehd_status time_result_finish(artefact **file, const time_summary *summary, ehd_
     ehd_status status = artefact_end_streaming(*file, error);
 
     if (!status) status = result_put_seconds(*file, &times, error);
-    if (!status) status = put_counts(*file, summary, error);
-    if (!status && artefact_has(*file, "by_full_model")) {
-        status = artefact_put_integer(*file, "full_steps", (int64_t)summary->full_steps, error);
-        if (!status)
-            status = artefact_put_real(*file, "full_seconds", summary->seconds_full, error);
-    }
+    if (!status) status = put_summary(*file, summary, error);
     if (!status) return artefact_finish(file, error);
     artefact_close(file);
     return status;

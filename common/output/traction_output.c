@@ -22,14 +22,13 @@ const column traction_columns[] = {{MEMBER("friction_coefficient", coefficient)}
 
 ehd_status traction_put_units(artefact *file, const ehd_contact *contact, ehd_error *error) {
     const bool point = contact->kind->dimensions > 1;
-    ehd_status status = artefact_put_real(file, point ? "point_moment" : "line_moment",
-                                          contact->load * contact->half_width, error);
+    const named_number numbers[] = {
+        {point ? "point_moment" : "line_moment", contact->load * contact->half_width},
+        {point ? "point_power" : "line_power", contact->load * contact->speed},
+        {"slide_roll", contact->slide_roll},
+        {0}};
 
-    if (!status)
-        status = artefact_put_real(file, point ? "point_power" : "line_power",
-                                   contact->load * contact->speed, error);
-    if (!status) status = artefact_put_real(file, "slide_roll", contact->slide_roll, error);
-    return status;
+    return numbers_put(file, 0, numbers, error);
 }
 
 ehd_status traction_put(artefact *file, const contact_traction *traction, ehd_error *error) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/model/model_file.h"
 
+#include "common/output/columns.h"
 #include "romrun/model/basis_file.h"
 #include "romrun/model/model_fields.h"
 
@@ -72,6 +73,9 @@ static ehd_status put_nodes(artefact *file, const char *field, const size_t *nod
 
 static ehd_status put_lines(artefact *file, const reduced_model *model, ehd_error *error) {
     size_t num_inner = model->grid.inner_lines, first = grid_first_line(&model->grid);
+    const named_number minimum[] = {{"first_minimum_line", (double)model->band.first_minimum},
+                                    {"last_minimum_line", (double)model->band.last_minimum},
+                                    {0}};
     int64_t *values = malloc(num_inner * sizeof *values);
     ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
@@ -81,12 +85,7 @@ static ehd_status put_lines(artefact *file, const reduced_model *model, ehd_erro
         status = artefact_put_integers(file, band_fields[f], values, error);
     }
     free(values);
-    if (!status)
-        status = artefact_put_integer(file, "first_minimum_line",
-                                      (int64_t)model->band.first_minimum, error);
-    return status ? status
-                  : artefact_put_integer(file, "last_minimum_line",
-                                         (int64_t)model->band.last_minimum, error);
+    return status ? status : numbers_put(file, 0, minimum, error);
 }
 
 static ehd_status put_independent(artefact *file, const reduced_model *model, ehd_error *error) {
@@ -151,26 +150,19 @@ static ehd_status put_cubature(artefact *file, const reduced_model *model, ehd_e
 
 static ehd_status put_attributes(artefact *file, const reduced_model *model,
                                  const model_origin *origin, ehd_error *error) {
-    const struct {
-        const char *name;
-        size_t value;
-    } columns[] = {{"band_begin", model->band.lines[0].begin},
-                   {"least_exit", model->band.lines[0].min_exit},
-                   {"most_exit", model->band.lines[0].max_exit}};
-    const struct {
-        const char *name;
-        double value;
-    } reals[] = {{"sigma_min_residual", origin->sigma_min_residual},
-                 {"sigma_min_jacobian", origin->sigma_min_jacobian},
-                 {"sigma_min_over_exits", origin->sigma_min_over_exits},
-                 {"stability", origin->stability}};
+    const band_line *line = &model->band.lines[0];
+    const named_number numbers[] = {{"band_begin", (double)line->begin},
+                                    {"least_exit", (double)line->min_exit},
+                                    {"most_exit", (double)line->max_exit},
+                                    {"sigma_min_residual", origin->sigma_min_residual},
+                                    {"sigma_min_jacobian", origin->sigma_min_jacobian},
+                                    {"sigma_min_over_exits", origin->sigma_min_over_exits},
+                                    {"stability", origin->stability},
+                                    {0}};
     ehd_status status =
         artefact_put_text(file, "deformation", deformation_names[model->deformation], error);
 
-    for (size_t i = 0; i < 3 && !status; i++)
-        status = artefact_put_integer(file, columns[i].name, (int64_t)columns[i].value, error);
-    for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
-        status = artefact_put_real(file, reals[i].name, reals[i].value, error);
+    if (!status) status = numbers_put(file, 0, numbers, error);
     if (!status) status = artefact_put_text(file, "method", origin->method, error);
     if (!status) status = artefact_put_text(file, "basis_sha256", origin->basis_identity, error);
     return status;

@@ -126,16 +126,14 @@ static ehd_status put_trajectories(artefact *file, const trade_table *table, ehd
 }
 
 ehd_status trade_write(artefact *file, const trade_table *table, ehd_error *error) {
+    const named_number scenes[] = {{"calibration_scenes", (double)table->num_scenes},
+                                   {"calibration_trajectories", (double)table->num_trajectories},
+                                   {0}};
     ehd_status status = artefact_put_axis(file, "position", table->num_positions, NULL, error);
 
     if (!status)
         status = artefact_put_axis(file, "quantile", NUM_TRADE_QUANTILES, trade_quantiles, error);
-    if (!status)
-        status =
-            artefact_put_integer(file, "calibration_scenes", (int64_t)table->num_scenes, error);
-    if (!status)
-        status = artefact_put_integer(file, "calibration_trajectories",
-                                      (int64_t)table->num_trajectories, error);
+    if (!status) status = numbers_put(file, 0, scenes, error);
     if (!status) status = put(file, table, sizes, error);
     if (!status) status = put(file, table, of_scenes, error);
     if (!status && table->num_scenes > 0) status = put_indicator(file, table, error);
