@@ -47,13 +47,8 @@ static ehd_status put_choice(artefact *file, size_t place, const adaptive_state 
 
 /* Writes the numbers of the states from `first` on. This sets the length of the axis `state`. */
 static ehd_status put_numbers(artefact *file, size_t first, size_t count, ehd_error *error) {
-    double *numbers = malloc((count + 1) * sizeof *numbers);
-    if (!numbers) return ehd_no_memory(error, artefact_path(file));
+    ehd_status status = axis_number(file, "state", first, count, error);
 
-    for (size_t i = 0; i < count; i++)
-        numbers[i] = (double)(first + i);
-    ehd_status status = artefact_put_axis_part(file, "state", first, count, numbers, error);
-    free(numbers);
     if (!status) status = artefact_flush(file, error);
     if (!status) artefact_save(file);
     return status;

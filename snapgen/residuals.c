@@ -365,18 +365,6 @@ static ehd_status begin_file(artefact *file, const repeated_training *training,
     return status;
 }
 
-/* Writes the numbers of the iterations, after all iterations have been written. */
-static ehd_status number_iterations(artefact *file, size_t count, ehd_error *error) {
-    double *numbers = malloc((count + 1) * sizeof *numbers);
-    if (!numbers) return ehd_no_memory(error, "residuals");
-
-    for (size_t i = 0; i < count; i++)
-        numbers[i] = (double)i;
-    const ehd_status status = artefact_put_axis_part(file, "iteration", 0, count, numbers, error);
-    free(numbers);
-    return status;
-}
-
 static ehd_status end_file(artefact **file, const repeated_training *training,
                            size_t num_iterations, ehd_error *error) {
     const trajectories *repeated = &training->repeated;
@@ -387,7 +375,8 @@ static ehd_status end_file(artefact **file, const repeated_training *training,
     if (num_compressed > 0)
         status = put_compressed(*file, repeated, training->model->rows.num_rows, num_iterations,
                                 num_compressed, error);
-    if (!status) status = number_iterations(*file, num_iterations + num_compressed, error);
+    if (!status)
+        status = axis_number(*file, "iteration", 0, num_iterations + num_compressed, error);
     if (!status) status = put_states(*file, training, error);
     return status ? status : artefact_finish(file, error);
 }

@@ -3,6 +3,7 @@
 
 #include "common/artefact/sha256.h"
 #include "common/artefact/table.h"
+#include "common/output/columns.h"
 #include "common/output/grid_file.h"
 #include "common/output/print.h"
 #include "common/physics/inlet_heating.h"
@@ -23,49 +24,45 @@
 #include <unistd.h>
 
 /* Columns of the table. The schema gives their units and scales. */
-static const struct {
-    const char *name;
-    size_t offset; // offset in case_row of a double, or of an integer if the field is an integer
-} columns[] = {
-#define COLUMN(name)                                                                               \
-    { #name, offsetof(case_row, name) }
-    COLUMN(status),
-    COLUMN(moes_M),
-    COLUMN(moes_L),
-    COLUMN(alpha_p_H),
-    COLUMN(hertz_pressure),
-    COLUMN(half_width),
-    COLUMN(film_unit),
-    {"line_load", offsetof(case_row, load)},
-    {"point_load", offsetof(case_row, load)},
-    COLUMN(radius),
-    COLUMN(speed),
-    COLUMN(thermal_loading),
-    COLUMN(inlet_heating_factor),
-    COLUMN(central_film_thickness),
-    COLUMN(minimum_film_thickness),
-    COLUMN(central_pressure),
-    COLUMN(peak_pressure),
-    COLUMN(rigid_approach),
-    COLUMN(exit_position),
-    COLUMN(indicated_deviation),
-    COLUMN(indicated_deviation_minimum),
-    COLUMN(friction_coefficient),
-    {"line_friction_force", offsetof(case_row, friction_force)},
-    {"point_friction_force", offsetof(case_row, friction_force)},
-    {"line_power_loss", offsetof(case_row, power_loss)},
-    {"point_power_loss", offsetof(case_row, power_loss)},
-    {"line_rolling_resistance", offsetof(case_row, rolling_resistance)},
-    {"point_rolling_resistance", offsetof(case_row, rolling_resistance)},
-    {"line_rolling_moment", offsetof(case_row, rolling_moment)},
-    {"point_rolling_moment", offsetof(case_row, rolling_moment)},
-    COLUMN(mean_shear_stress),
-    COLUMN(largest_shear_stress),
-    COLUMN(indicated_deviation_friction),
-    COLUMN(part),
-    COLUMN(newton_iterations),
-    COLUMN(residual_norm),
-    COLUMN(solve_seconds)};
+#define SAME(member) COLUMN(case_row, #member, member)
+
+static const column columns[] = {{SAME(status), .integer = true},
+                                 {SAME(moes_M)},
+                                 {SAME(moes_L)},
+                                 {SAME(alpha_p_H)},
+                                 {SAME(hertz_pressure)},
+                                 {SAME(half_width)},
+                                 {SAME(film_unit)},
+                                 {COLUMN(case_row, "line_load", load)},
+                                 {COLUMN(case_row, "point_load", load)},
+                                 {SAME(radius)},
+                                 {SAME(speed)},
+                                 {SAME(thermal_loading)},
+                                 {SAME(inlet_heating_factor)},
+                                 {SAME(central_film_thickness)},
+                                 {SAME(minimum_film_thickness)},
+                                 {SAME(central_pressure)},
+                                 {SAME(peak_pressure)},
+                                 {SAME(rigid_approach)},
+                                 {SAME(exit_position)},
+                                 {SAME(indicated_deviation)},
+                                 {SAME(indicated_deviation_minimum)},
+                                 {SAME(friction_coefficient)},
+                                 {COLUMN(case_row, "line_friction_force", friction_force)},
+                                 {COLUMN(case_row, "point_friction_force", friction_force)},
+                                 {COLUMN(case_row, "line_power_loss", power_loss)},
+                                 {COLUMN(case_row, "point_power_loss", power_loss)},
+                                 {COLUMN(case_row, "line_rolling_resistance", rolling_resistance)},
+                                 {COLUMN(case_row, "point_rolling_resistance", rolling_resistance)},
+                                 {COLUMN(case_row, "line_rolling_moment", rolling_moment)},
+                                 {COLUMN(case_row, "point_rolling_moment", rolling_moment)},
+                                 {SAME(mean_shear_stress)},
+                                 {SAME(largest_shear_stress)},
+                                 {SAME(indicated_deviation_friction)},
+                                 {SAME(part), .integer = true},
+                                 {SAME(newton_iterations), .integer = true},
+                                 {SAME(residual_norm)},
+                                 {SAME(solve_seconds)}};
 
 enum { NUM_COLUMNS = sizeof columns / sizeof *columns, NOT_WRITTEN = -1 };
 
@@ -121,25 +118,25 @@ ehd_status case_table_check(const program *caller, ehd_error *error) {
 
 // ---- which columns
 
-static const artefact_field *field_of(size_t column) {
+static const artefact_field *field_of(size_t index) {
     const artefact_field *field = schema_cases.fields;
 
-    while (strcmp(field->name, columns[column].name) != 0)
+    while (strcmp(field->name, columns[index].field) != 0)
         field++;
     return field;
 }
 
-static double real_of(const case_row *row, size_t column) {
+static double real_of(const case_row *row, size_t index) {
     double value;
 
-    memcpy(&value, (const char *)row + columns[column].offset, sizeof value);
+    memcpy(&value, (const char *)row + columns[index].offset, sizeof value);
     return value;
 }
 
-static int64_t integer_of(const case_row *row, size_t column) {
+static int64_t integer_of(const case_row *row, size_t index) {
     int64_t value;
 
-    memcpy(&value, (const char *)row + columns[column].offset, sizeof value);
+    memcpy(&value, (const char *)row + columns[index].offset, sizeof value);
     return value;
 }
 
@@ -168,29 +165,28 @@ struct case_table {
     size_t status_column, next_status;
 };
 
-static bool is_known(size_t column, const case_row *row) {
-    return field_of(column)->type == ARTEFACT_INTEGER ? integer_of(row, column) != NO_PART
-                                                      : !isnan(real_of(row, column));
+static bool is_known(size_t index, const case_row *row) {
+    return columns[index].integer ? integer_of(row, index) != NO_PART : !isnan(real_of(row, index));
 }
 
 /* Checks whether the table has a column. The table has an optional column if some row has a value
  * for the column. Columns with the prefix line_ are only for line contacts, columns with the prefix
  * point_ only for the other kinds. */
-static bool applies(const case_table *self, size_t column, const contact_kind *kind) {
+static bool applies(const case_table *self, size_t index, const contact_kind *kind) {
     const char *other = kind->dimensions > 1 ? "line_" : "point_";
 
-    return field_of(column)->need != NEED_OPTIONAL ||
-           (self->expected[column] && strncmp(columns[column].name, other, strlen(other)) != 0);
+    return field_of(index)->need != NEED_OPTIONAL ||
+           (self->expected[index] && strncmp(columns[index].field, other, strlen(other)) != 0);
 }
 
-/* Returns the number of the column that holds the SI unit of `column`, for example half_width for
- * exit_position. Returns NOT_WRITTEN if `column` has no such unit, or if the table does not have
- * the column of the unit. */
-static int unit_of(size_t column, const bool *written) {
-    const artefact_scale *scale = field_of(column)->scale;
+/* Returns the number of the column that holds the SI unit of column `index`, for example half_width
+ * for exit_position. Returns NOT_WRITTEN if column `index` has no such unit, or if the table does
+ * not have the column of the unit. */
+static int unit_of(size_t index, const bool *written) {
+    const artefact_scale *scale = field_of(index)->scale;
 
     for (size_t c = 0; scale && c < NUM_COLUMNS; c++)
-        if (written[c] && strcmp(columns[c].name, scale->frame) == 0) return (int)c;
+        if (written[c] && strcmp(columns[c].field, scale->frame) == 0) return (int)c;
     return NOT_WRITTEN;
 }
 
@@ -202,13 +198,13 @@ static void print_header(const case_table *self, FILE *stream) {
     for (size_t c = 0; c < NUM_COLUMNS; c++) {
         const char *units = field_of(c)->units;
         if (!self->written[c]) continue;
-        fputs(columns[c].name, stream);
+        fputs(columns[c].field, stream);
         if (strcmp(units, "1") != 0) fprintf(stream, " [%s]", units);
         fputc(',', stream);
     }
     for (size_t c = 0; c < NUM_COLUMNS; c++)
         if (self->units[c] != NOT_WRITTEN)
-            fprintf(stream, "%s [%s],", columns[c].name, field_of((size_t)self->units[c])->units);
+            fprintf(stream, "%s [%s],", columns[c].field, field_of((size_t)self->units[c])->units);
     fputs("reason\n", stream);
 }
 
@@ -220,7 +216,7 @@ static void print_row(const case_table *self, const case_row *row, const case_te
     }
     for (size_t c = 0; c < NUM_COLUMNS; c++) {
         if (!self->written[c]) continue;
-        if (field_of(c)->type == ARTEFACT_INTEGER)
+        if (columns[c].integer)
             fprintf(stream, "%" PRId64, integer_of(row, c));
         else
             print_csv_real(real_of(row, c), stream);
@@ -520,7 +516,7 @@ static ehd_status create_hdf5(case_table *self, const contact_kind *kind, const 
 
     if (!status) status = grid_write_attributes(self->file, kind, grid, error);
     for (size_t c = 0; c < NUM_COLUMNS && !status; c++)
-        if (self->written[c]) status = artefact_declare(self->file, columns[c].name, error);
+        if (self->written[c]) status = artefact_declare(self->file, columns[c].field, error);
     return status ? status : artefact_begin_streaming(self->file, error);
 }
 
@@ -533,7 +529,7 @@ static ehd_status resume_hdf5(case_table *self, const char *settings_text,
     for (; !status && *inputs; inputs++)
         status = artefact_check_input(self->file, "input", *inputs, error);
     for (size_t c = 0; c < NUM_COLUMNS && !status; c++)
-        if (self->written[c] != artefact_has(self->file, columns[c].name))
+        if (self->written[c] != artefact_has(self->file, columns[c].field))
             status = not_resumable(self, "other columns", error);
     if (!status) self->num_rows = artefact_length(self->file, "case");
     if (!status) status = artefact_cut_axis(self->file, "case", self->num_rows, error);
@@ -556,31 +552,14 @@ static ehd_status begin_hdf5(case_table *self, const contact_kind *kind, const e
     return create_hdf5(self, kind, grid, settings_text, inputs, error);
 }
 
-static ehd_status put_column(case_table *self, size_t column, const case_row *rows, size_t count,
-                             void *work, ehd_error *error) {
-    const char *name = columns[column].name;
-
-    if (field_of(column)->type == ARTEFACT_INTEGER) {
-        for (size_t i = 0; i < count; i++)
-            ((int64_t *)work)[i] = integer_of(&rows[i], column);
-        return artefact_put_integers_part(self->file, name, self->num_rows, count, work, error);
-    }
-    for (size_t i = 0; i < count; i++)
-        ((double *)work)[i] = real_of(&rows[i], column);
-    return artefact_put_part(self->file, name, self->num_rows, count, work, error);
-}
-
 static ehd_status put_hdf5(case_table *self, const case_row *rows, size_t count, ehd_error *error) {
-    double *work = array_new(count, 1, sizeof *work); // also used for as many integers
-    ehd_status status = work ? EHD_OK : no_memory(self, error);
+    ehd_status status = EHD_OK;
 
     for (size_t c = 0; c < NUM_COLUMNS && !status; c++)
-        if (self->written[c]) status = put_column(self, c, rows, count, work, error);
-    for (size_t i = 0; i < count && !status; i++)
-        work[i] = (double)(self->num_rows + i);
-    if (!status)
-        status = artefact_put_axis_part(self->file, "case", self->num_rows, count, work, error);
-    free(work);
+        if (self->written[c])
+            status = column_put(self->file, &columns[c], self->num_rows, rows, sizeof *rows, count,
+                                error);
+    if (!status) status = axis_number(self->file, "case", self->num_rows, count, error);
     if (!status) status = artefact_flush(self->file, error);
     if (!status) artefact_save(self->file);
     return status;

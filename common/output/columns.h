@@ -43,6 +43,11 @@ ehd_status column_get(void *structs, size_t size, size_t count, const column *se
 /* Checks whether a file has all columns that are not optional. */
 bool columns_are_in(const artefact *file, const column *columns);
 
+/* Numbers the entries `first` to first + count - 1 of the growing axis, as artefact_put_axis_part:
+ * this makes the axis longer. Errors: EHD_MEMORY, and those of artefact_put_axis_part. */
+ehd_status axis_number(artefact *file, const char *axis, size_t first, size_t count,
+                       ehd_error *error);
+
 /* A number and its name in a file: an attribute, or a field with one number for each entry. */
 typedef struct named_number {
     const char *name;
