@@ -76,9 +76,9 @@ ehd_status grid_write_attributes(artefact *file, const contact_kind *kind, const
     if (!status) status = artefact_put_real(file, "step", grid->step, error);
     if (!status)
         status = artefact_put_text(file, "discretization",
-                                   discretization_name(grid->discretization), error);
+                                   discretization_names[grid->discretization], error);
     if (!status && kind->dimensions > 1)
-        status = artefact_put_text(file, "boundary", boundary_name(grid->boundary), error);
+        status = artefact_put_text(file, "boundary", boundary_names[grid->boundary], error);
     if (!status && kind == &contact_ellipse)
         status = artefact_put_real(file, "ellipticity", grid->shape.ellipticity, error);
     return status;
@@ -104,34 +104,28 @@ ehd_status grid_count_lines(size_t *num_lines, artefact *file, const contact_kin
                     artefact_path(file), found, across ? "several" : "none", kind->name);
 }
 
-ehd_status grid_read_discretization(ehd_discretization *discretization, artefact *file,
-                                    ehd_error *error) {
+ehd_status name_read(unsigned *index, artefact *file, const char *attribute,
+                     const char *const *names, const char *expected, ehd_error *error) {
     char *name = NULL;
 
-    *discretization = DISCRETIZATION_PUBLISHED;
-    if (!artefact_has(file, "discretization")) return EHD_OK;
-    ehd_status status = artefact_get_text(file, "discretization", &name, error);
-    if (!status && !discretization_find(discretization, name))
-        status = ehd_fail(error, EHD_DATA, "%s: discretization: found %.32s, expected %s|%s|%s",
-                          artefact_path(file), name, discretization_name(DISCRETIZATION_ACCURATE),
-                          discretization_name(DISCRETIZATION_CROSS_FLUX),
-                          discretization_name(DISCRETIZATION_PUBLISHED));
+    *index = 0;
+    if (!artefact_has(file, attribute)) return EHD_OK;
+    ehd_status status = artefact_get_text(file, attribute, &name, error);
+    if (!status && !name_find(index, names, name))
+        status = ehd_fail(error, EHD_DATA, "%s: %s: found %.32s, expected %s", artefact_path(file),
+                          attribute, name, expected);
     free(name);
     return status;
 }
 
-ehd_status grid_read_boundary(ehd_boundary *boundary, artefact *file, ehd_error *error) {
-    char *name = NULL;
+ehd_status grid_read_discretization(ehd_discretization *discretization, artefact *file,
+                                    ehd_error *error) {
+    return name_read(discretization, file, "discretization", discretization_names,
+                     "accurate|cross-flux|published", error);
+}
 
-    *boundary = BOUNDARY_ZERO;
-    if (!artefact_has(file, "boundary")) return EHD_OK;
-    ehd_status status = artefact_get_text(file, "boundary", &name, error);
-    if (!status && !boundary_find(boundary, name))
-        status = ehd_fail(error, EHD_DATA, "%s: boundary: found %.32s, expected %s|%s",
-                          artefact_path(file), name, boundary_name(BOUNDARY_OPEN),
-                          boundary_name(BOUNDARY_ZERO));
-    free(name);
-    return status;
+ehd_status grid_read_boundary(ehd_boundary *boundary, artefact *file, ehd_error *error) {
+    return name_read(boundary, file, "boundary", boundary_names, "open|zero", error);
 }
 
 ehd_status grid_read_shape(contact_shape *shape, artefact *file, const contact_kind *kind,
@@ -195,7 +189,7 @@ ehd_status grid_check_extent(const ehd_grid *grid, const char *path, ehd_error *
 
 ehd_status carriage_write(artefact *file, const ehd_carriage *carriage, ehd_error *error) {
     ehd_status status =
-        artefact_put_text(file, "transport", transport_name(carriage->transport), error);
+        artefact_put_text(file, "transport", transport_names[carriage->transport], error);
 
     if (!status && carriage->transport == TRANSPORT_PATH && !isnan(carriage->smoothing))
         status = artefact_put_real(file, "smoothing", carriage->smoothing, error);
@@ -203,16 +197,11 @@ ehd_status carriage_write(artefact *file, const ehd_carriage *carriage, ehd_erro
 }
 
 ehd_status carriage_read(ehd_carriage *carriage, artefact *file, ehd_error *error) {
-    char *name = NULL;
-
     *carriage = (ehd_carriage){TRANSPORT_UPWIND, NAN};
     if (!artefact_has(file, "transport")) return EHD_OK;
-    ehd_status status = artefact_get_text(file, "transport", &name, error);
-    if (!status && !transport_find(&carriage->transport, name))
-        status = ehd_fail(error, EHD_DATA, "%s: transport: found %.32s, expected %s|%s",
-                          artefact_path(file), name, transport_name(TRANSPORT_PATH),
-                          transport_name(TRANSPORT_UPWIND));
-    free(name);
+    ehd_status status =
+        name_read(&carriage->transport, file, "transport", transport_names, "path|upwind", error);
+
     if (!status && artefact_has(file, "smoothing"))
         status = artefact_get_real(file, "smoothing", &carriage->smoothing, error);
     if (!status && !isnan(carriage->smoothing) &&
@@ -254,11 +243,11 @@ ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *ex
     if (grid_same(grid, expected)) return EHD_OK;
     if (grid->discretization != expected->discretization)
         return ehd_fail(error, EHD_DATA, "%s: discretization: found %s, expected %s, as in %s",
-                        path, discretization_name(grid->discretization),
-                        discretization_name(expected->discretization), expected_path);
+                        path, discretization_names[grid->discretization],
+                        discretization_names[expected->discretization], expected_path);
     if (grid->inner_lines > 1 && expected->inner_lines > 1 && grid->boundary != expected->boundary)
         return ehd_fail(error, EHD_DATA, "%s: boundary: found %s, expected %s, as in %s", path,
-                        boundary_name(grid->boundary), boundary_name(expected->boundary),
+                        boundary_names[grid->boundary], boundary_names[expected->boundary],
                         expected_path);
     const ehd_status status = grid_check_shape(grid, path, expected, expected_path, error);
     if (status) return status;
@@ -303,7 +292,7 @@ void grid_print_equations(const ehd_contact *contact) {
                    contact_half_width_across(contact) * 1e6);
         putchar('\n');
     }
-    printf("%-24s%s\n", "discretization", discretization_name(grid->discretization));
+    printf("%-24s%s\n", "discretization", discretization_names[grid->discretization]);
     if (contact->kind->dimensions > 1)
         printf("%-24s%s\n", "boundary",
                grid->boundary == BOUNDARY_OPEN ? "open, with the far field around the grid"

@@ -41,6 +41,12 @@ ehd_status grid_put_field(artefact *file, const char *name, size_t index,
 ehd_status grid_count_lines(size_t *num_lines, artefact *file, const contact_kind *kind,
                             ehd_error *error);
 
+/* Reads an attribute that is one of `names`, which end with NULL. The index is 0 if the file lacks
+ * the attribute. Returns EHD_DATA for another name; the message lists the names by the text
+ * `expected`. */
+ehd_status name_read(unsigned *index, artefact *file, const char *attribute,
+                     const char *const *names, const char *expected, ehd_error *error);
+
 /* Reads the discretisation of a file. The discretisation is `published` if the file names
  * none. Returns EHD_DATA for an unknown name. */
 ehd_status grid_read_discretization(ehd_discretization *discretization, artefact *file,

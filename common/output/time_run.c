@@ -423,7 +423,7 @@ static void report(const runner *self, const run_totals *totals, ehd_status outc
     printf("%-24sM = %.6g, L = %.6g, alpha p_H = %.6g, p_H = %.6g GPa\n", "reference",
            contact->moes_M, contact->moes_L, contact->alpha_p_H, contact->hertz_pressure * 1e-9);
     grid_print_equations(contact);
-    printf("%-24s%s\n", "transport", transport_name(contact->transport));
+    printf("%-24s%s\n", "transport", transport_names[contact->transport]);
     grid_print(contact, "the reference and its histories");
     printf("%-24sT = 0 to %.6g in %.0f steps, %.0f more rejected\n", "time", state->time,
            state->num_steps, state->num_rejected);

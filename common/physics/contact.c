@@ -205,65 +205,29 @@ const contact_kind *contact_kind_find(const char *name) {
 
 // ---- names of discretisations, boundary conditions and transports
 
-/* Returns the index of a name, or `num` if the list does not contain the name. */
-static size_t find_name(const char *const *names, size_t num, const char *name) {
-    size_t i = 0;
+const char *const discretization_names[] = {[DISCRETIZATION_PUBLISHED] = "published",
+                                            [DISCRETIZATION_ACCURATE] = "accurate",
+                                            [DISCRETIZATION_CROSS_FLUX] = "cross-flux",
+                                            NULL};
+const char *const boundary_names[] = {[BOUNDARY_ZERO] = "zero", [BOUNDARY_OPEN] = "open", NULL};
+const char *const transport_names[] = {
+    [TRANSPORT_UPWIND] = "upwind", [TRANSPORT_PATH] = "path", NULL};
 
-    while (i < num && strcmp(names[i], name) != 0)
+bool name_find(unsigned *index, const char *const *names, const char *name) {
+    unsigned i = 0;
+
+    while (names[i] && strcmp(names[i], name) != 0)
         i++;
-    return i;
-}
-
-static const char *const discretizations[] = {[DISCRETIZATION_PUBLISHED] = "published",
-                                              [DISCRETIZATION_ACCURATE] = "accurate",
-                                              [DISCRETIZATION_CROSS_FLUX] = "cross-flux"};
-enum { NUM_DISCRETIZATIONS = sizeof discretizations / sizeof *discretizations };
-
-const char *discretization_name(ehd_discretization discretization) {
-    return discretizations[discretization];
-}
-
-bool discretization_find(ehd_discretization *discretization, const char *name) {
-    const size_t found = find_name(discretizations, NUM_DISCRETIZATIONS, name);
-
-    if (found < NUM_DISCRETIZATIONS) *discretization = (ehd_discretization)found;
-    return found < NUM_DISCRETIZATIONS;
+    *index = names[i] ? i : 0;
+    return names[i];
 }
 
 ehd_status discretization_check_in_time(ehd_discretization discretization, ehd_error *error) {
     if (discretization != DISCRETIZATION_CROSS_FLUX) return EHD_OK;
     return ehd_fail(error, EHD_DATA, "discretization: found %s in time, expected %s|%s",
-                    discretization_name(discretization),
-                    discretization_name(DISCRETIZATION_ACCURATE),
-                    discretization_name(DISCRETIZATION_PUBLISHED));
-}
-
-static const char *const boundaries[] = {[BOUNDARY_ZERO] = "zero", [BOUNDARY_OPEN] = "open"};
-enum { NUM_BOUNDARIES = sizeof boundaries / sizeof *boundaries };
-
-const char *boundary_name(ehd_boundary boundary) {
-    return boundaries[boundary];
-}
-
-bool boundary_find(ehd_boundary *boundary, const char *name) {
-    const size_t found = find_name(boundaries, NUM_BOUNDARIES, name);
-
-    if (found < NUM_BOUNDARIES) *boundary = (ehd_boundary)found;
-    return found < NUM_BOUNDARIES;
-}
-
-static const char *const transports[] = {[TRANSPORT_UPWIND] = "upwind", [TRANSPORT_PATH] = "path"};
-enum { NUM_TRANSPORTS = sizeof transports / sizeof *transports };
-
-const char *transport_name(ehd_transport transport) {
-    return transports[transport];
-}
-
-bool transport_find(ehd_transport *transport, const char *name) {
-    const size_t found = find_name(transports, NUM_TRANSPORTS, name);
-
-    if (found < NUM_TRANSPORTS) *transport = (ehd_transport)found;
-    return found < NUM_TRANSPORTS;
+                    discretization_names[discretization],
+                    discretization_names[DISCRETIZATION_ACCURATE],
+                    discretization_names[DISCRETIZATION_PUBLISHED]);
 }
 
 ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
@@ -272,8 +236,8 @@ ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
 
     if (found->transport != expected->transport)
         return ehd_fail(error, EHD_DATA, "%s%stransport: found %s, expected %s, as in %s", in,
-                        colon, transport_name(found->transport),
-                        transport_name(expected->transport), expected_in);
+                        colon, transport_names[found->transport],
+                        transport_names[expected->transport], expected_in);
     // The default smoothing depends on the step of a grid, which has round-off. isgreater is
     // false if either value is NaN.
     if (isgreater(fabs(found->smoothing - expected->smoothing), ROUNDING))

@@ -55,13 +55,9 @@ typedef enum ehd_discretization {
     DISCRETIZATION_CROSS_FLUX // for stationary point contacts and ellipses only
 } ehd_discretization;
 
-/* Returns the name of a discretisation in scenes and files. */
-const char *discretization_name(ehd_discretization discretization);
 /* Checks that a discretisation can be used in a transient run. Returns EHD_DATA for the
  * discretisation with cross fluxes, otherwise EHD_OK. */
 ehd_status discretization_check_in_time(ehd_discretization discretization, ehd_error *error);
-/* Finds a discretisation by its name. Returns false if there is none. */
-bool discretization_find(ehd_discretization *discretization, const char *name);
 
 /* Boundary condition around the grid of a point contact (README.md, far field). */
 typedef enum ehd_boundary {
@@ -69,21 +65,20 @@ typedef enum ehd_boundary {
     BOUNDARY_OPEN  // pressure and load from the far field
 } ehd_boundary;
 
-/* Returns the name of a boundary condition in scenes and files. */
-const char *boundary_name(ehd_boundary boundary);
-/* Finds a boundary condition by its name. Returns false if there is none. */
-bool boundary_find(ehd_boundary *boundary, const char *name);
-
 /* How a transient solution carries its film through the contact (common/time/README.md). */
 typedef enum ehd_transport {
     TRANSPORT_UPWIND, // by the entrainment term of the Reynolds equation, at fixed nodes
     TRANSPORT_PATH    // along the path of the fluid
 } ehd_transport;
 
-/* Returns the name of a transport in scenes. */
-const char *transport_name(ehd_transport transport);
-/* Finds a transport by its name. Returns false if there is none. */
-bool transport_find(ehd_transport *transport, const char *name);
+/* Names in scenes and files. Each list ends with NULL. */
+extern const char *const discretization_names[]; // index: ehd_discretization
+extern const char *const boundary_names[];       // index: ehd_boundary
+extern const char *const transport_names[];      // index: ehd_transport
+
+/* Finds the index of a name in such a list. If the list does not have the name, returns false and
+ * sets the index to 0. */
+bool name_find(unsigned *index, const char *const *names, const char *name);
 
 /* How the transient solutions of a model's training carry their films through the contact. A
  * reduced model carries its films in the same way. */

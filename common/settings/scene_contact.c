@@ -44,10 +44,17 @@ ehd_status scene_check_approach(const scene *given, const ehd_contact *contact, 
                                                    : EHD_OK;
 }
 
+/* Returns the index of a name that the scene's reader has accepted; 0 for "". */
+static unsigned named(const char *const *names, const char *name) {
+    unsigned index;
+
+    name_find(&index, names, name);
+    return index;
+}
+
 /* Sets how films are carried through the contact. */
 static void set_transport(ehd_contact *contact, const scene *given) {
-    contact->transport = TRANSPORT_UPWIND;
-    transport_find(&contact->transport, given->transport); // a valid name, or "" if stationary
+    contact->transport = named(transport_names, given->transport); // "" if stationary
     contact->smoothing = given->transient.smoothing;
     contact->time_tolerance = isnan(given->transient.fixed_step) ? given->transient.tolerance : NAN;
 }
@@ -87,8 +94,8 @@ ehd_status scene_contact_begin(ehd_contact *contact, const scene *given, ehd_err
     if (status) return status;
     contact->slide_roll = scene_slide_roll(given);
     contact->grid.half = given->grid.half != 0 && contact->kind->dimensions > 1;
-    discretization_find(&contact->grid.discretization, given->discretization); // a valid name
-    boundary_find(&contact->grid.boundary, given->boundary); // valid, or "" for a line contact
+    contact->grid.discretization = named(discretization_names, given->discretization);
+    contact->grid.boundary = named(boundary_names, given->boundary); // "" for a line contact
     contact->grid_given =
         (grid_extent){given->grid.x_min, given->grid.x_max, given->grid.step, given->grid.y_max};
     if (contact_has_chosen_grid(contact)) return EHD_OK;

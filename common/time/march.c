@@ -77,7 +77,7 @@ static const double SLIVER = 1e-3;
 
 march_settings march_settings_of(const scene *given, const ehd_histories *histories,
                                  double reference_approach) {
-    const bool path = strcmp(given->transport, transport_name(TRANSPORT_PATH)) == 0;
+    const bool path = strcmp(given->transport, transport_names[TRANSPORT_PATH]) == 0;
     const double tolerance = given->transient.tolerance;
     march_settings settings = {.end_time = given->transient.end_time,
                                .tolerance = path ? tolerance : tolerance / PASSAGE,

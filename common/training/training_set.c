@@ -57,14 +57,14 @@ static ehd_status check_grid(const ehd_contact *first, const ehd_contact *other,
     if (found->discretization != expected->discretization)
         return ehd_fail(error, EHD_DATA,
                         "%s: discretization: found %s at point %s, expected %s as at point %s",
-                        plan_path, discretization_name(found->discretization), other_name,
-                        discretization_name(expected->discretization), first_name);
+                        plan_path, discretization_names[found->discretization], other_name,
+                        discretization_names[expected->discretization], first_name);
     if (found->inner_lines > 1 && expected->inner_lines > 1 &&
         found->boundary != expected->boundary)
         return ehd_fail(error, EHD_DATA,
                         "%s: boundary: found %s at point %s, expected %s as at point %s", plan_path,
-                        boundary_name(found->boundary), other_name,
-                        boundary_name(expected->boundary), first_name);
+                        boundary_names[found->boundary], other_name,
+                        boundary_names[expected->boundary], first_name);
     return ehd_fail(error, EHD_DATA,
                     "%s: grid: found %zu nodes from %g by %g at point %s, expected %zu from %g by "
                     "%g as at point %s",
@@ -100,8 +100,8 @@ static ehd_status check_carriages(const training_set *set, const char *plan_path
         const ehd_carriage expected = path_carriage(&set->trajectories[0].contact);
         if (found.transport != expected.transport)
             return ehd_fail(error, EHD_DATA, "%s: transport: found %s and %s, expected one of them",
-                            plan_path, transport_name(expected.transport),
-                            transport_name(found.transport));
+                            plan_path, transport_names[expected.transport],
+                            transport_names[found.transport]);
         if (found.smoothing != expected.smoothing && found.transport == TRANSPORT_PATH)
             return ehd_fail(error, EHD_DATA,
                             "%s: transient.smoothing: found %g and %g, expected one of them",

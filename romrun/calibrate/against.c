@@ -112,10 +112,10 @@ static void print_heading(const char *path, const ehd_grid *grid, const ehd_grid
     }
     if (discretized)
         printf("%sanother discretization, %s", moved ? ", " : " (",
-               discretization_name(other->discretization));
+               discretization_names[other->discretization]);
     if (bounded)
         printf("%sanother boundary, %s", moved || discretized ? ", " : " (",
-               boundary_name(other->boundary));
+               boundary_names[other->boundary]);
     printf("%s:\n", moved || discretized || bounded ? ": what it does is in the deviations)" : "");
 }
 

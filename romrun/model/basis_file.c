@@ -27,20 +27,7 @@ ehd_status film_axes_write(artefact *file, const ehd_grid *grid, ehd_error *erro
 }
 
 ehd_status deformation_read(deformation_kind *kind, artefact *file, ehd_error *error) {
-    char *name = NULL;
-    ehd_status status = artefact_get_text(file, "deformation", &name, error);
-
-    if (status) return status;
-    size_t i = 0;
-    while (deformation_names[i] && strcmp(name, deformation_names[i]))
-        i++;
-    if (!deformation_names[i])
-        status =
-            ehd_fail(error, EHD_DATA, "%s: deformation: found %s, expected independent|coupled",
-                     artefact_path(file), name);
-    *kind = i == 0 ? DEFORMATION_INDEPENDENT : DEFORMATION_COUPLED;
-    free(name);
-    return status;
+    return name_read(kind, file, "deformation", deformation_names, "independent|coupled", error);
 }
 
 // ---- modes

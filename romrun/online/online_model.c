@@ -83,11 +83,11 @@ static ehd_status check_alike(const online_model *self, ehd_error *error) {
                 "%s: found a %s contact with %zu nodes from %g in steps of %g (%s, %s), "
                 "expected one as of %s: a %s contact with %zu from %g in steps of %g (%s, %s)",
                 self->parts[p].path, other->kind->name, other->grid.num_inner, other->grid.x_min,
-                other->grid.step, discretization_name(other->grid.discretization),
-                boundary_name(other->grid.boundary), self->parts[0].path, first->kind->name,
+                other->grid.step, discretization_names[other->grid.discretization],
+                boundary_names[other->grid.boundary], self->parts[0].path, first->kind->name,
                 first->grid.num_inner, first->grid.x_min, first->grid.step,
-                discretization_name(first->grid.discretization),
-                boundary_name(first->grid.boundary));
+                discretization_names[first->grid.discretization],
+                boundary_names[first->grid.boundary]);
         const ehd_status status = carriage_check(&other->carriage, self->parts[p].path,
                                                  &first->carriage, self->parts[0].path, error);
         if (status) return status;
@@ -185,9 +185,9 @@ online_properties online_describe(const online_model *self) {
         if (part->reduced.num_unknowns > largest->num_unknowns) largest = &part->reduced;
     }
     return (online_properties){.num_nodes = grid->num_nodes,
-                               .discretization = discretization_name(grid->discretization),
-                               .boundary = boundary_name(grid->boundary),
-                               .transport = transport_name(largest->carriage.transport),
+                               .discretization = discretization_names[grid->discretization],
+                               .boundary = boundary_names[grid->boundary],
+                               .transport = transport_names[largest->carriage.transport],
                                .pressure_modes = largest->num_pressure,
                                .deformation_modes = largest->num_deformation,
                                .unknowns = largest->num_unknowns,

@@ -208,11 +208,11 @@ ehd_status part_check_contact(const model_part *model, const ehd_contact *contac
     if (contact->kind == model->reduced.kind && grid_same(&on_model.grid, own)) return EHD_OK;
     if (grid->discretization != own->discretization)
         return ehd_fail(error, EHD_DATA, "discretization: found %s, expected %s as in %s",
-                        discretization_name(grid->discretization),
-                        discretization_name(own->discretization), model->path);
+                        discretization_names[grid->discretization],
+                        discretization_names[own->discretization], model->path);
     if (contact->kind == model->reduced.kind && grid->boundary != own->boundary)
         return ehd_fail(error, EHD_DATA, "boundary: found %s, expected %s as in %s",
-                        boundary_name(grid->boundary), boundary_name(own->boundary), model->path);
+                        boundary_names[grid->boundary], boundary_names[own->boundary], model->path);
     if (contact->kind == model->reduced.kind && !shape_same(&grid->shape, &own->shape))
         return ehd_fail(error, EHD_DATA, "ellipticity: found %.9g, expected %.9g as in %s",
                         grid->shape.ellipticity, own->shape.ellipticity, model->path);
