@@ -220,8 +220,6 @@ bool scene_text_matches(const char *kept, const char *now);
 
 /* Prints the table as text for --help. */
 void scene_print_help(FILE *stream);
-/* Prints the table as a Markdown table for schemas/scene.md. */
-void scene_print_markdown(FILE *stream);
 
 /* One training point of a plan. */
 typedef struct plan_point {

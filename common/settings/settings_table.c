@@ -757,12 +757,12 @@ ehd_status setting_assign(scene *of, const setting *row, const char *text, place
                       has_unit(row, text) ? ", written without the unit" : "");
 }
 
-// ---- the table as help and as Markdown
+// ---- the table as help
 
-/* Prints "barus, wlf" for "barus|wlf", because a bar would end the cell of a Markdown table. */
-static void print_words(FILE *stream, const char *choices, const char *between) {
+/* Prints "barus or wlf" for "barus|wlf". */
+static void print_words(FILE *stream, const char *choices) {
     for (; *choices; choices++)
-        fputs(*choices == '|' ? between : (char[]){*choices, '\0'}, stream);
+        fputs(*choices == '|' ? " or " : (char[]){*choices, '\0'}, stream);
 }
 
 /* Returns the quantity to whose history a key belongs, or -1 if the key belongs to no history. */
@@ -781,7 +781,7 @@ static void print_conditions(FILE *stream, const setting *row, const char *befor
     const size_t max_shown = quantity_of(row->key) < 0 ? MAX_CONDITIONS : 1;
     for (size_t i = 0; i < max_shown && row->when[i].key; i++) {
         fprintf(stream, "%s%s ", i ? ", " : before, last_part(row->when[i].key));
-        print_words(stream, row->when[i].values, " or ");
+        print_words(stream, row->when[i].values);
     }
 }
 
@@ -791,13 +791,13 @@ static bool is_shown(const setting *row) {
 }
 
 /* Prints "moes.M", or "transient.<load|speed>.law" for all histories. */
-static void print_key(FILE *stream, const setting *row, const char *between) {
+static void print_key(FILE *stream, const setting *row) {
     if (quantity_of(row->key) < 0) {
         fputs(row->key, stream);
         return;
     }
     for (int i = 0; i < NUM_VARY; i++)
-        fprintf(stream, "%s%s", i ? between : "transient.<", vary_names[i]);
+        fprintf(stream, "%s%s", i ? "|" : "transient.<", vary_names[i]);
     fprintf(stream, ">.%s", last_part(row->key));
 }
 
@@ -809,7 +809,7 @@ void scene_print_help(FILE *stream) {
         if (!is_shown(row)) continue;
         show_allowed(allowed, row, NULL);
         fputs("\n  ", stream);
-        print_key(stream, row, "|");
+        print_key(stream, row);
         fprintf(stream, ": %s", allowed);
         if (row->required) fprintf(stream, "; required");
         if (row->default_value) fprintf(stream, "; default %s", row->default_value);
@@ -817,42 +817,4 @@ void scene_print_help(FILE *stream) {
         fprintf(stream, "\n      %s\n", row->help);
     }
     fprintf(stream, "\nEither moes or physical is required, with all of its keys.\n");
-}
-
-static void print_allowed(FILE *stream, const setting *row) {
-    switch (row->type) {
-    case SETTING_REAL:
-    case SETTING_WHOLE:
-        fprintf(stream, "%g to %g%s", row->min, row->max,
-                row->type == SETTING_WHOLE ? ", whole" : "");
-        break;
-    case SETTING_TEXT:
-        fprintf(stream, "text");
-        break;
-    case SETTING_FILE:
-        fprintf(stream, "file");
-        break;
-    default:
-        print_words(stream, row->type == SETTING_FLAG ? "true|false" : row->choices, ", ");
-    }
-}
-
-void scene_print_markdown(FILE *stream) {
-    fprintf(stream, "| Key | Allowed | Unit | Default | Only with | Meaning |\n"
-                    "|---|---|---|---|---|---|\n");
-    for (const setting *row = scene_settings(); row->key; row++) {
-        if (!is_shown(row)) continue;
-        fputs("| `", stream);
-        print_key(stream, row, ", ");
-        fputs("` | ", stream);
-        print_allowed(stream, row);
-        fputs(" | ", stream);
-        if (row->type == SETTING_REAL) print_words(stream, row->unit, ", ");
-        fprintf(stream, " | %s | ",
-                row->required        ? "*required*"
-                : row->default_value ? row->default_value
-                                     : "");
-        print_conditions(stream, row, "");
-        fprintf(stream, " | %s |\n", row->help);
-    }
 }

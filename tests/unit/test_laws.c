@@ -7,6 +7,7 @@
 #include "tests/unit/check.h"
 #include "tests/unit/problem.h"
 #include "tests/unit/sample.h"
+#include "tests/unit/settings_page.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -165,7 +166,7 @@ static void help_shows_an_added_law(void **state) {
     (void)state;
     FILE *stream = open_memstream(&printed, &length);
     scene_print_help(stream);
-    scene_print_markdown(stream);
+    settings_page_print(stream);
     assert_int_equal(fclose(stream), 0);
     assert_non_null(
         strstr(printed, "lubricant.viscosity.law: barus|roelands|wlf|linear; required"));

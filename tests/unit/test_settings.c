@@ -5,6 +5,7 @@
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 #include "tests/unit/folder.h"
+#include "tests/unit/settings_page.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -1051,7 +1052,7 @@ static void schema_page_shows_the_table(void **state) {
     size_t length = 0;
     (void)state;
     FILE *stream = open_memstream(&printed, &length);
-    scene_print_markdown(stream);
+    settings_page_print(stream);
     assert_int_equal(fclose(stream), 0);
     FILE *file = fopen("schemas/scene.md", "r");
     assert_non_null(file);
