@@ -3,9 +3,7 @@
  * files, plans the memory, selects rows, and checks the model.
  * Called from the command line, and by the pipelines in scenes. */
 #include "common/artefact/artefact.h"
-#include "common/output/check.h"
-#include "common/output/print.h"
-#include "common/output/vtk.h"
+#include "common/output/output_main.h"
 #include "common/program/memory_option.h"
 #include "common/program/program.h"
 #include "common/training/pool.h"
@@ -250,18 +248,41 @@ static ehd_status read_given(given_rows *given, const select_options *options,
     return status;
 }
 
-static ehd_status run(const program *self, select_options *options, ehd_error *error) {
+/* Refuses options that exclude each other, and a command line without a basis. */
+static ehd_status check_usage(const program *self, const select_options *options,
+                              ehd_error *error) {
+    const row_settings *rows = &options->rows;
+    const char *excluded = rows->method          ? "--method"
+                           : rows->num_rows > 0  ? "--rows"
+                           : rows->stability > 0 ? "--stability"
+                                                 : NULL;
+
+    if (options->rows_from && excluded)
+        return ehd_fail(error, EHD_USAGE,
+                        "--rows-from: found with %s, expected one of them: the file says which "
+                        "rows and how many",
+                        excluded);
+    if (rows->num_rows > 0 && rows->stability > 0)
+        return ehd_fail(error, EHD_USAGE,
+                        "--stability: found --rows %zu too, expected one of the two",
+                        rows->num_rows);
+    if (!options->basis)
+        return ehd_fail(error, EHD_USAGE, "--basis: found none, expected the basis of %s",
+                        self->arguments[0]);
+    return EHD_OK;
+}
+
+static ehd_status run(const program *self, void *own, ehd_error *error) {
+    select_options *options = own;
     residual_input input = {0};
     reduced_basis basis = {0};
     given_rows given = {0};
     row_choice choice = {0};
     ehd_error cause = {""};
     char identity[65];
+    ehd_status status = check_usage(self, options, error);
 
-    if (!options->basis)
-        return ehd_fail(error, EHD_USAGE, "--basis: found none, expected the basis of %s",
-                        self->arguments[0]);
-    ehd_status status = basis_read(&basis, identity, options->basis, error);
+    if (!status) status = basis_read(&basis, identity, options->basis, error);
     if (!status && options->rows_from) status = read_given(&given, options, &basis, error);
     if (options->rows_from) options->rows.given = &given;
     if (!options->rows.method) options->rows.method = selection_methods;
@@ -285,26 +306,6 @@ static ehd_status run(const program *self, select_options *options, ehd_error *e
     return status;
 }
 
-/* Refuses options that exclude each other. */
-static ehd_status check_usage(const select_options *options, ehd_error *error) {
-    const row_settings *rows = &options->rows;
-    const char *excluded = rows->method          ? "--method"
-                           : rows->num_rows > 0  ? "--rows"
-                           : rows->stability > 0 ? "--stability"
-                                                 : NULL;
-
-    if (options->rows_from && excluded)
-        return ehd_fail(error, EHD_USAGE,
-                        "--rows-from: found with %s, expected one of them: the file says which "
-                        "rows and how many",
-                        excluded);
-    if (rows->num_rows > 0 && rows->stability > 0)
-        return ehd_fail(error, EHD_USAGE,
-                        "--stability: found --rows %zu too, expected one of the two",
-                        rows->num_rows);
-    return EHD_OK;
-}
-
 int main(int argc, char **argv) {
     select_options own = {.rows = {.num_control = CONTROL_BY_ITSELF},
                           .num_jobs = pool_default_workers(),
@@ -318,14 +319,5 @@ int main(int argc, char **argv) {
         .min_arguments = 1,
         .max_arguments = 1,
         .needs_output = true};
-    ehd_error error = {""};
-    program self;
-
-    program_start(&self, argc, argv, &options);
-    if (self.check) return output_check(&self, training_readers);
-    if (self.print) return output_print(&self);
-    if (self.vtk) return output_vtk(&self);
-    ehd_status status = check_usage(&own, &error);
-    if (!status) status = run(&self, &own, &error);
-    return program_finish(&self, status, &error);
+    return output_main(argc, argv, &options, run, training_check);
 }

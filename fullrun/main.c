@@ -2,14 +2,12 @@
 /* fullrun: solves one scene with the full model (README.md). The program reads options and the
  * scene, calls the solver or the march, and writes the result.
  * Called from the command line, and by the pipelines in scenes. */
-#include "common/output/check.h"
 #include "common/output/columns.h"
 #include "common/output/grid_file.h"
 #include "common/output/inputs.h"
-#include "common/output/print.h"
+#include "common/output/output_main.h"
 #include "common/output/result.h"
 #include "common/output/time_run.h"
-#include "common/output/vtk.h"
 #include "common/physics/grid_choice.h"
 #include "common/program/program.h"
 #include "common/program/team.h"
@@ -574,7 +572,8 @@ static ehd_status set_grid_in_time(ehd_contact *contact, const scene *given, ehd
     return status ? status : scene_check_approach(given, contact, error);
 }
 
-static ehd_status run(const program *self, fullrun_options *options, ehd_error *error) {
+static ehd_status run(const program *self, void *own, ehd_error *error) {
+    fullrun_options *options = own;
     ehd_contact contact = {0};
     scene given;
     char *text = NULL;
@@ -610,13 +609,5 @@ int main(int argc, char **argv) {
                                      .help_tail = print_settings,
                                      .min_arguments = 1,
                                      .max_arguments = 1};
-    ehd_error error = {""};
-    program self;
-
-    program_start(&self, argc, argv, &options);
-    if (self.check) return output_check(&self, NULL);
-    if (self.print) return output_print(&self);
-    if (self.vtk) return output_vtk(&self);
-    ehd_status status = run(&self, &own, &error);
-    return program_finish(&self, status, &error);
+    return output_main(argc, argv, &options, run, NULL);
 }

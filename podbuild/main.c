@@ -2,9 +2,7 @@
 /* podbuild: builds bases from training solutions (README.md). The program reads options and files,
  * plans the memory, builds the bases and writes them.
  * Called from the command line, and by the pipelines in scenes. */
-#include "common/output/check.h"
-#include "common/output/print.h"
-#include "common/output/vtk.h"
+#include "common/output/output_main.h"
 #include "common/program/memory_option.h"
 #include "common/program/program.h"
 #include "common/training/training_set.h"
@@ -326,6 +324,34 @@ static ehd_status check_compress(const program *self, ehd_error *error) {
     return EHD_OK;
 }
 
+/* Refuses options that exclude each other. */
+static ehd_status check_usage(const program *self, const build_options *options, ehd_error *error) {
+    const bases_settings *bases = &options->bases;
+
+    if (options->weight->needs_contacts != (options->plan != NULL))
+        return ehd_fail(error, EHD_USAGE, "--plan: found %s with --weight %s, expected %s",
+                        options->plan ? options->plan : "none", options->weight->name,
+                        options->plan ? "none" : "the plan of the training");
+    if (bases->kind == DEFORMATION_COUPLED && bases->deformation.num_modes > 0)
+        return ehd_fail(error, EHD_USAGE,
+                        "--deformation-modes: found %zu with a coupled basis, expected "
+                        "--deformation independent",
+                        bases->deformation.num_modes);
+    return bases->as_part ? check_compress(self, error) : EHD_OK;
+}
+
+static ehd_status run(const program *self, void *own, ehd_error *error) {
+    build_options *options = own;
+    bases_settings *bases = &options->bases;
+
+    bases->deformation.discarded_energy = bases->pressure.discarded_energy;
+    bases->exact = bases->pressure.num_modes > 0 && !program_was_given(self, "energy");
+    ehd_status status = check_usage(self, options, error);
+    if (!status) status = build(self, options, error);
+    if (!status) stage_end(&self->stage);
+    return status;
+}
+
 int main(int argc, char **argv) {
     build_options own = {.bases = {.pressure.discarded_energy = 1e-13, .kind = DEFORMATION_COUPLED},
                          .weight = test_weights,
@@ -338,31 +364,5 @@ int main(int argc, char **argv) {
                                      .min_arguments = 1,
                                      .max_arguments = SIZE_MAX,
                                      .needs_output = true};
-    ehd_error error = {""};
-    program self;
-
-    program_start(&self, argc, argv, &options);
-    if (self.check) return output_check(&self, training_readers);
-    if (self.print) return output_print(&self);
-    if (self.vtk) return output_vtk(&self);
-    own.bases.deformation.discarded_energy = own.bases.pressure.discarded_energy;
-    own.bases.exact = own.bases.pressure.num_modes > 0 && !program_was_given(&self, "energy");
-    if (own.weight->needs_contacts != (own.plan != NULL))
-        return program_finish(&self,
-                              ehd_fail(&error, EHD_USAGE,
-                                       "--plan: found %s with --weight %s, expected %s",
-                                       own.plan ? own.plan : "none", own.weight->name,
-                                       own.plan ? "none" : "the plan of the training"),
-                              &error);
-    if (own.bases.kind == DEFORMATION_COUPLED && own.bases.deformation.num_modes > 0)
-        return program_finish(&self,
-                              ehd_fail(&error, EHD_USAGE,
-                                       "--deformation-modes: found %zu with a coupled basis, "
-                                       "expected --deformation independent",
-                                       own.bases.deformation.num_modes),
-                              &error);
-    ehd_status status = own.bases.as_part ? check_compress(&self, &error) : EHD_OK;
-    if (!status) status = build(&self, &own, &error);
-    if (!status) stage_end(&self.stage);
-    return program_finish(&self, status, &error);
+    return output_main(argc, argv, &options, run, training_check);
 }

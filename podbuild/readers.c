@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "podbuild/readers.h"
 
+#include "common/output/check.h"
 #include "common/program/arena.h"
 #include "podbuild/part_file.h"
 #include "podbuild/snapshot_set.h"
@@ -26,8 +27,12 @@ static ehd_status check_snapshots(const char *path, ehd_error *error) {
     return status;
 }
 
-const output_reader training_readers[] = {{&schema_basis, basis_check},
-                                          {&schema_part, part_check},
-                                          {&schema_model, model_check},
-                                          {&schema_snapshots, check_snapshots},
-                                          {0}};
+static const output_reader readers[] = {{&schema_basis, basis_check},
+                                        {&schema_part, part_check},
+                                        {&schema_model, model_check},
+                                        {&schema_snapshots, check_snapshots},
+                                        {0}};
+
+ehd_status training_check(const char *path, ehd_error *error) {
+    return output_check(path, readers, error);
+}

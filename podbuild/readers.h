@@ -4,9 +4,10 @@
 #ifndef EHD_TRAINING_READERS_H
 #define EHD_TRAINING_READERS_H
 
-#include "common/output/check.h"
+#include "common/program/status.h"
 
-/* Readers of bases, parts, models and snapshots; ends with {0}. */
-extern const output_reader training_readers[];
+/* Checks a file of any kind; reads bases, parts, models and snapshots like the programs that take
+ * them as input. Errors: as output_check. */
+ehd_status training_check(const char *path, ehd_error *error);
 
 #endif

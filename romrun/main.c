@@ -3,11 +3,10 @@
 #include "common/output/check.h"
 #include "common/output/grid_file.h"
 #include "common/output/inputs.h"
-#include "common/output/print.h"
+#include "common/output/output_main.h"
 #include "common/output/result.h"
 #include "common/output/time_result.h"
 #include "common/output/time_run.h"
-#include "common/output/vtk.h"
 #include "common/program/output_file.h"
 #include "common/program/program.h"
 #include "common/settings/part_list.h"
@@ -784,7 +783,7 @@ static ehd_status check_models(const char *path, ehd_error *error) {
     for (size_t i = 0; i < list.num && !status; i++) {
         bool is_flat = false;
         status = online_is_flat(&is_flat, list.paths[i], error);
-        if (!status && !is_flat) status = output_check_file(list.paths[i], model_readers, error);
+        if (!status && !is_flat) status = output_check(list.paths[i], model_readers, error);
     }
     if (!status) status = online_open(&model, path, NULL, error);
     online_close(model);
@@ -793,14 +792,13 @@ static ehd_status check_models(const char *path, ehd_error *error) {
 }
 
 /* Checks a file for --check. */
-static int check(program *self) {
+static ehd_status check(const char *path, ehd_error *error) {
     bool is_flat = false;
-    ehd_error error = {""};
-    ehd_status status = online_is_flat(&is_flat, self->check, &error);
+    const ehd_status status = online_is_flat(&is_flat, path, error);
 
-    if (!status && !is_flat && !part_list_is(self->check)) return output_check(self, model_readers);
-    if (!status) status = check_models(self->check, &error);
-    return program_finish(self, status, &error);
+    if (status) return status;
+    return is_flat || part_list_is(path) ? check_models(path, error)
+                                         : output_check(path, model_readers, error);
 }
 
 // ---- many scenes
@@ -945,12 +943,13 @@ static ehd_status take_model(const program *self, romrun_options *options, ehd_e
 }
 
 /* Runs everything between the command line and the exit code. */
-static ehd_status run(const program *self, romrun_options *options, ehd_error *error) {
+static ehd_status run(const program *self, void *own, ehd_error *error) {
+    romrun_options *options = own;
     ehd_status status = take_model(self, options, error);
 
     if (!status) status = check_usage(self, options, error);
     if (!status) status = part_list_read(&options->models, options->model, error);
-    if (!status) status = modes[self->mode].run(self, options, error);
+    if (!status) status = modes[self->mode].run(self, own, error);
     part_list_free(&options->models);
     return status;
 }
@@ -964,13 +963,5 @@ int main(int argc, char **argv) {
                "romrun MODE --help shows the options of a mode: romrun cases --help.",
         .help_tail = print_settings,
         .modes = modes};
-    ehd_error error = {""};
-    program self;
-
-    program_start(&self, argc, argv, &options);
-    if (self.check) return check(&self);
-    if (self.print) return output_print(&self);
-    if (self.vtk) return output_vtk(&self);
-    ehd_status status = run(&self, &own, &error);
-    return program_finish(&self, status, &error);
+    return output_main(argc, argv, &options, run, check);
 }

@@ -2,10 +2,8 @@
 /* snapgen: runs a training plan (README.md). It reads options and the plan, runs the training that
  * they define, and writes snapshots or residuals.
  * Called from the command line, and by the pipelines in scenes. */
-#include "common/output/check.h"
 #include "common/output/grid_file.h"
-#include "common/output/print.h"
-#include "common/output/vtk.h"
+#include "common/output/output_main.h"
 #include "common/program/output_file.h"
 #include "common/program/program.h"
 #include "common/settings/part_list.h"
@@ -373,7 +371,8 @@ static ehd_status repeat(const program *self, const snapgen_options *options, eh
     return status;
 }
 
-static ehd_status run(const program *self, const snapgen_options *options, ehd_error *error) {
+static ehd_status run(const program *self, void *own, ehd_error *error) {
+    const snapgen_options *options = own;
     ehd_status status = options->basis ? repeat(self, options, error) : train(self, options, error);
 
     if (!status) stage_end(&self->stage);
@@ -395,13 +394,5 @@ int main(int argc, char **argv) {
                                      .min_arguments = 1,
                                      .max_arguments = SIZE_MAX,
                                      .needs_output = true};
-    ehd_error error = {""};
-    program self;
-
-    program_start(&self, argc, argv, &options);
-    if (self.check) return output_check(&self, training_readers);
-    if (self.print) return output_print(&self);
-    if (self.vtk) return output_vtk(&self);
-    ehd_status status = run(&self, &own, &error);
-    return program_finish(&self, status, &error);
+    return output_main(argc, argv, &options, run, training_check);
 }

@@ -67,15 +67,8 @@ static ehd_status read_as_input(const output_reader *readers, const char *path, 
                                   : read_with(readers, kind, path, error);
 }
 
-ehd_status output_check_file(const char *path, const output_reader *readers, ehd_error *error) {
+ehd_status output_check(const char *path, const output_reader *readers, ehd_error *error) {
     const ehd_status status = artefact_check(path, error);
 
     return status ? status : read_as_input(readers, path, error);
-}
-
-int output_check(program *self, const output_reader *readers) {
-    ehd_error error = {""};
-    const ehd_status status = output_check_file(self->check, readers, &error);
-
-    return program_finish(self, status, &error);
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Implements --check FILE for every program. */
+/* Checks files, for --check FILE of every program. */
 #ifndef EHD_CHECK_H
 #define EHD_CHECK_H
 
 #include "common/artefact/artefact.h"
-#include "common/program/program.h"
+#include "common/program/status.h"
 
 /* Reader of one kind of file. */
 typedef struct output_reader {
@@ -16,11 +16,6 @@ typedef struct output_reader {
  * always read. For any other kind of file the grid is read, except for a table of cases, which has
  * no grid. Then the entry of `readers` for this kind, if there is one, reads the file. `readers`
  * ends with {0} and may be NULL. Errors: EHD_DATA, EHD_NOINPUT, EHD_MEMORY, EHD_IO. */
-ehd_status output_check_file(const char *path, const output_reader *readers, ehd_error *error);
-
-/* Checks the file caller->check with output_check_file. Prints nothing if it is valid, else one
- * line with the error. Frees the program and returns the exit code for main: 0, 65, 66, 71 or
- * 74. */
-int output_check(program *caller, const output_reader *readers);
+ehd_status output_check(const char *path, const output_reader *readers, ehd_error *error);
 
 #endif

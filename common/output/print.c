@@ -467,16 +467,14 @@ ehd_status print_names(artefact *file, bool si, FILE *stream, ehd_error *error) 
     return self.status;
 }
 
-int output_print(program *self) {
-    ehd_error error = {""};
+ehd_status output_print(const program *self, ehd_error *error) {
     artefact *file = NULL;
-    ehd_status status = artefact_open_unfinished(&file, self->print, artefact_schemas, &error);
+    ehd_status status = artefact_open_unfinished(&file, self->print, artefact_schemas, error);
 
     if (!status && self->num_arguments > 0)
-        status =
-            print_entries(file, self->arguments, self->num_arguments, self->si, stdout, &error);
+        status = print_entries(file, self->arguments, self->num_arguments, self->si, stdout, error);
     else if (!status)
-        status = print_names(file, self->si, stdout, &error);
+        status = print_names(file, self->si, stdout, error);
     artefact_close(&file);
-    return program_finish(self, status, &error);
+    return status;
 }

@@ -39,7 +39,7 @@ ehd_status print_entries(artefact *file, const char *const *names, size_t num_na
 ehd_status print_names(artefact *file, bool si, FILE *stream, ehd_error *error);
 
 /* Prints the names caller->arguments of the file caller->print on stdout, or the list of all names
- * if there are no arguments. Frees the program and returns the exit code for main. */
-int output_print(program *caller);
+ * if there are no arguments. Errors: as artefact_open, print_entries and print_names. */
+ehd_status output_print(const program *caller, ehd_error *error);
 
 #endif

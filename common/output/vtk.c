@@ -292,14 +292,13 @@ ehd_status vtk_write(artefact *file, const program *caller, ehd_error *error) {
     return status;
 }
 
-int output_vtk(program *self) {
-    ehd_error error = {""};
+ehd_status output_vtk(const program *self, ehd_error *error) {
     artefact *file = NULL;
     const char *const inputs[] = {self->vtk, NULL};
-    ehd_status status = output_file_check_inputs(self->output, inputs, &error);
+    ehd_status status = output_file_check_inputs(self->output, inputs, error);
 
-    if (!status) status = artefact_open_unfinished(&file, self->vtk, artefact_schemas, &error);
-    if (!status) status = vtk_write(file, self, &error);
+    if (!status) status = artefact_open_unfinished(&file, self->vtk, artefact_schemas, error);
+    if (!status) status = vtk_write(file, self, error);
     artefact_close(&file);
-    return program_finish(self, status, &error);
+    return status;
 }

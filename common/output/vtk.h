@@ -23,8 +23,7 @@
  * exists and caller->force is not set. Other errors: EHD_IO, EHD_MEMORY, EHD_INTERRUPTED. */
 ehd_status vtk_write(artefact *file, const program *caller, ehd_error *error);
 
-/* Writes the file caller->vtk, which may be unfinished, with vtk_write. Frees the program and
- * returns the exit code for main. */
-int output_vtk(program *caller);
+/* Writes the file caller->vtk, which may be unfinished, with vtk_write. */
+ehd_status output_vtk(const program *caller, ehd_error *error);
 
 #endif
