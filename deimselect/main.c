@@ -30,22 +30,6 @@ typedef struct select_options {
     double memory; // limit of the arrays, bytes
 } select_options;
 
-static ehd_status read_method(void *member, const char *argument, ehd_error *error) {
-    const selection_method **method = member;
-
-    *method = selection_find(argument);
-    if (*method) return EHD_OK;
-    return ehd_fail(error, EHD_USAGE, "--method: found %.40s, expected one of --help", argument);
-}
-
-static ehd_status read_weights(void *member, const char *argument, ehd_error *error) {
-    const weighting **weights = member;
-
-    *weights = weighting_find(argument);
-    if (*weights) return EHD_OK;
-    return ehd_fail(error, EHD_USAGE, "--weights: found %.40s, expected one of --help", argument);
-}
-
 // clang-format off
 #define OWN_OPTIONS select_options
 
@@ -59,8 +43,8 @@ static const program_option own_options[] = {
      "`weight` or `weights` also their factors", OPTION_TEXT(rows_from)},
     {"stability", 0, "S", "As few rows as leave 1/sigma_min at most S at every exit of training, where all "
      "rows have 1; in place of --rows", OPTION_REAL(rows.stability, 1, 1e12)},
-    {"method", 0, "NAME", "joint (default), qr, sopt, exits; see below", OPTION_READ(rows.method, read_method)},
-    {"weights", 0, "NAME", "quadrature (default), plain; see below", OPTION_READ(rows.weights, read_weights)},
+    {"method", 0, "NAME", "joint (default), qr, sopt, exits; see below", OPTION_ENTRY(rows.method, selection_methods)},
+    {"weights", 0, "NAME", "quadrature (default), plain; see below", OPTION_ENTRY(rows.weights, weightings)},
     {"control", 0, "N", "Number of control rows, which take no part in the solution and indicate its "
      "deviation; default a tenth of the rows, at least 8; 0: none", OPTION_COUNT(rows.num_control, 0, 10000000)},
     {"no-check", 0, NULL, "Leave out the check of the model, by full solutions between the points of its training; "

@@ -5,7 +5,6 @@
 
 #include <lapacke.h>
 #include <stdlib.h>
-#include <string.h>
 
 const selection_method selection_methods[] = {
     {"joint", selection_joint, 1, 0, false,
@@ -25,14 +24,6 @@ const selection_method selection_methods[] = {
      "most; any number of rows"},
     {NULL, NULL, 0, 0, false, NULL},
 };
-
-const selection_method *selection_find(const char *name) {
-    const selection_method *entry = selection_methods;
-
-    while (entry->name && strcmp(entry->name, name))
-        entry++;
-    return entry->name ? entry : NULL;
-}
 
 selection_bases selection_leading(const selection_bases *bases) {
     selection_bases leading = *bases;

@@ -60,9 +60,6 @@ selection_function selection_exits;
 /* Returns the bases with the leading modes only. */
 selection_bases selection_leading(const selection_bases *bases);
 
-/* Returns the entry of this name, or NULL. */
-const selection_method *selection_find(const char *name);
-
 /* Computes the smallest singular value sigma_min of modes[:num_columns] sampled at the rows. Gappy
  * least squares amplifies errors outside of the basis by at most 1/sigma_min. If there are fewer
  * rows than columns, the result is zero. */

@@ -27,22 +27,8 @@ typedef struct build_options {
     double memory;    // limit of the arrays, bytes
 } build_options;
 
-static ehd_status read_weight(void *member, const char *argument, ehd_error *error) {
-    const test_weight **weight = member;
-
-    *weight = test_weight_find(argument);
-    if (*weight) return EHD_OK;
-    return ehd_fail(error, EHD_USAGE, "--weight: found %.40s, expected one of --help", argument);
-}
-
 static ehd_status read_deformation(void *member, const char *argument, ehd_error *error) {
-    deformation_kind *kind = member;
-
-    for (int i = 0; deformation_names[i]; i++)
-        if (strcmp(argument, deformation_names[i]) == 0) {
-            *kind = (deformation_kind)i;
-            return EHD_OK;
-        }
+    if (name_find(member, deformation_names, argument)) return EHD_OK;
     return ehd_fail(error, EHD_USAGE, "--deformation: found %.40s, expected coupled|independent",
                     argument);
 }
@@ -61,7 +47,7 @@ static const program_option own_options[] = {
     {"deformation", 0, "KIND", "coupled: deflections of the pressure modes (default); independent: modes of "
      "their own, as published", OPTION_READ(bases.kind, read_deformation)},
     {"weight", 0, "NAME", "Weight of the Reynolds rows: mode (default), identity, row-norm; see below",
-     OPTION_READ(weight, read_weight)},
+     OPTION_ENTRY(weight, test_weights)},
     {"memory", 0, "SIZE", "Memory that arrays may take, as 2G or 500M; default half of the machine's. Snapshots that "
      "need more are streamed, and read several times", OPTION_READ(memory, memory_option_read)},
     {"compress", 0, NULL, "Write a part: the POD of these snapshots and their states, for bases of several parts, which leave "

@@ -21,14 +21,6 @@ const test_weight test_weights[] = {
     {NULL, NULL, false, NULL},
 };
 
-const test_weight *test_weight_find(const char *name) {
-    const test_weight *entry = test_weights;
-
-    while (entry->name && strcmp(entry->name, name))
-        entry++;
-    return entry->name ? entry : NULL;
-}
-
 /* Smallest value of the weight `mode`. The first pressure mode vanishes at the inlet and beyond the
  * trained exits, so rows there would have no weight. Least squares need weights of about one over
  * the residual that truncated modes leave in a row. Upstream of X = -1.3, a smallest value of 1e-3

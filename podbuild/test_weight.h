@@ -23,9 +23,6 @@ typedef struct test_weight {
 
 extern const test_weight test_weights[]; // ends with an entry whose name is NULL
 
-/* Returns the entry of this name, or NULL. */
-const test_weight *test_weight_find(const char *name);
-
 /* Weight "mode": the magnitude of the first pressure mode, with a lower limit (README.md, The
  * floor). */
 test_weight_function test_weight_mode;

@@ -424,6 +424,11 @@ static ehd_status read_option(void *own, const program_option *row, const char *
                            error);
     case AS_REAL:
         return parse_real(member, argument, row->min, row->max, object, EHD_USAGE, error);
+    case AS_ENTRY:
+        *(const void **)member = entry_find(row->table, row->size, argument);
+        if (*(const void **)member) return EHD_OK;
+        return ehd_fail(error, EHD_USAGE, "%s: found %.40s, expected one of --help", object,
+                        argument);
     default:
         return row->read(member, argument, error);
     }

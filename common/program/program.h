@@ -17,6 +17,7 @@ typedef enum option_type {
     AS_TEXT,  // const char *, as given
     AS_COUNT, // size_t, from min to max
     AS_REAL,  // double, from min to max
+    AS_ENTRY, // pointer to an entry of `table`, found by its name
     AS_READ,  // any type, converted by `read`
     AS_ALIAS  // another name of the option in the row before, hidden in the help
 } option_type;
@@ -30,6 +31,8 @@ typedef struct program_option {
     option_type type;
     size_t member; // offset in the struct of the program's own options
     double min, max;
+    const void *table; // as in entry_find, for AS_ENTRY
+    size_t size;       // bytes of an entry
     /* Converts the argument, for AS_READ. EHD_USAGE: the argument is not valid. */
     ehd_status (*read)(void *member, const char *argument, ehd_error *error);
     unsigned modes; // bit i: mode i has the option; 0: all modes have it
@@ -44,7 +47,9 @@ enum { MAX_OPTIONS = 24, MAX_PROGRAM_MODES = 8 };
 #define OPTION_TEXT(name)             OPTION_(AS_TEXT, name)
 #define OPTION_COUNT(name, low, high) OPTION_(AS_COUNT, name), .min = (low), .max = (high)
 #define OPTION_REAL(name, low, high)  OPTION_(AS_REAL, name), .min = (low), .max = (high)
-#define OPTION_READ(name, function)   OPTION_(AS_READ, name), .read = (function)
+#define OPTION_ENTRY(name, entries)                                                                \
+    OPTION_(AS_ENTRY, name), .table = (entries), .size = sizeof *(entries)
+#define OPTION_READ(name, function) OPTION_(AS_READ, name), .read = (function)
 
 /* A program's arguments and the values of the common options --quiet --verbose --set --force
  * --check FILE --print FILE --si --vtk FILE -o FILE. */

@@ -99,6 +99,17 @@ static void show_range(char shown[SHOWN_TEXT], double min, double max) {
         snprintf(shown, SHOWN_TEXT, "a finite number");
 }
 
+const void *entry_find(const void *table, size_t size, const char *name) {
+    const char *entry = table;
+    const char *const *found = table;
+
+    while (*found && strcmp(*found, name) != 0) {
+        entry += size;
+        found = (const void *)entry;
+    }
+    return *found ? found : NULL;
+}
+
 ehd_status parse_real(double *value, const char *text, double min, double max, const char *object,
                       ehd_status refusal, ehd_error *error) {
     char found[SHOWN_TEXT], expected[SHOWN_TEXT];

@@ -34,6 +34,10 @@ void text_make_printable(char *text, const char *kept);
 /* Prints a text so that it can stand within the quotes of an XML attribute. */
 void text_print_xml(const char *text, FILE *stream);
 
+/* Returns the entry of a table that has this name, or NULL. The entries are structs of `size` bytes
+ * whose first member is the name; the table ends with an entry whose name is NULL. */
+const void *entry_find(const void *table, size_t size, const char *name);
+
 /* Reads a number like number_read, and checks that it lies within min..max (infinite: no bound). If
  * it does not, returns `refusal` (EHD_USAGE or EHD_DATA). The message begins with `object`. */
 ehd_status parse_real(

@@ -121,7 +121,7 @@ static ehd_status weigh_part(reduced_model *model, artefact *file, const stored_
         !artefact_has(file, "row_jacobian_modes"))
         return EHD_OK;
     ehd_status status = artefact_get_text(file, "weights", &name, error);
-    const weighting *weights = status ? NULL : weighting_find(name);
+    const weighting *weights = status ? NULL : entry_find(weightings, sizeof *weightings, name);
     if (!status && !weights)
         status = ehd_fail(error, EHD_DATA,
                           "%s: weights: found %.40s, expected one that is known, for a part of the "

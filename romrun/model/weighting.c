@@ -15,14 +15,6 @@ const weighting weightings[] = {
     {NULL, NULL, NULL},
 };
 
-const weighting *weighting_find(const char *name) {
-    const weighting *entry = weightings;
-
-    while (entry->name && strcmp(entry->name, name))
-        entry++;
-    return entry->name ? entry : NULL;
-}
-
 ehd_status weighting_plain(double *factors, const double *sampled, size_t num_rows,
                            size_t num_modes, ehd_error *error) {
     (void)sampled, (void)num_modes, (void)error;

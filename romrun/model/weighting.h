@@ -27,9 +27,6 @@ typedef struct weighting {
 
 extern const weighting weightings[]; // ends with an entry whose name is NULL
 
-/* Returns the entry with this name, or NULL. */
-const weighting *weighting_find(const char *name);
-
 /* Sets all factors to 1, as published. */
 weighting_function weighting_plain;
 

@@ -29,14 +29,14 @@ static void all_are_positive_and_finite(void **state) {
     (void)state;
     double *weight = malloc(basis.grid.num_nodes * sizeof *weight);
     for (const test_weight *entry = test_weights; entry->name; entry++) {
-        assert_ptr_equal(test_weight_find(entry->name), entry);
+        assert_ptr_equal(entry_find(test_weights, sizeof *entry, entry->name), entry);
         memset(weight, 0, basis.grid.num_nodes * sizeof *weight);
         assert_int_equal(entry->weigh(weight, &basis, training.contacts, TRAINED_STATES, NULL),
                          EHD_OK);
         for (size_t k = 0; k < basis.grid.num_nodes; k++)
             assert_true(isfinite(weight[k]) && weight[k] > 0);
     }
-    assert_null(test_weight_find("none"));
+    assert_null(entry_find(test_weights, sizeof *test_weights, "none"));
     free(weight);
 }
 

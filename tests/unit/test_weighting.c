@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Weights of the selected rows. The weights are exact if the selected rows can represent all
  * rows. */
+#include "common/program/text.h"
 #include "romrun/model/weighting.h"
 #include "tests/unit/check.h"
 
@@ -114,8 +115,9 @@ static void plain_weights_are_one(void **state) {
 
 static void weightings_are_found_by_name(void **state) {
     (void)state;
-    assert_ptr_equal(weighting_find("plain")->weigh, weighting_plain);
-    assert_null(weighting_find("plai"));
+    const weighting *found = entry_find(weightings, sizeof *weightings, "plain");
+    assert_ptr_equal(found->weigh, weighting_plain);
+    assert_null(entry_find(weightings, sizeof *weightings, "plai"));
 }
 
 int main(void) {
