@@ -327,37 +327,37 @@ static ehd_status train(const program *self, const snapgen_options *options, ehd
     return status;
 }
 
+/* Checks the options of the second mode. EHD_USAGE. */
+static ehd_status check_repetition(const program *self, const snapgen_options *options,
+                                   ehd_error *error) {
+    const char *of_adaptive = option_of_adaptive(self);
+    const struct {
+        bool given;
+        const char *option, *other, *reason;
+    } excluded[] = {
+        {options->num_parts > 0, "num-parts", "basis", "it solves nothing"},
+        {options->piece.total > 1, "basis", "shard", "the whole plan is one file"},
+        {options->resume, "resume", "basis", "the projected system is done in seconds"},
+        {of_adaptive, of_adaptive, "basis", "the points are chosen before the basis is made"},
+        {options->cold, "cold", "basis", "the projected system starts from the snapshots"}};
+
+    if (self->num_arguments > 1 && check_parts(self, options, error)) return EHD_USAGE;
+    for (size_t i = 0; i < sizeof excluded / sizeof *excluded; i++)
+        if (excluded[i].given)
+            return ehd_fail(error, EHD_USAGE, "--%s: found with --%s, expected one of them: %s",
+                            excluded[i].option, excluded[i].other, excluded[i].reason);
+    return EHD_OK;
+}
+
 /* Runs the second mode: solves the points of the plan with the projected system. */
 static ehd_status repeat(const program *self, const snapgen_options *options, ehd_error *error) {
-    const char *of_adaptive = option_of_adaptive(self);
     const double before = program_seconds();
     size_t num_failed = 0;
     training_set set = {0};
     bool adaptive = options->adaptive;
-    ehd_status status = EHD_OK;
+    ehd_status status = check_repetition(self, options, error);
 
-    if (self->num_arguments > 1) return check_parts(self, options, error);
-    if (options->num_parts > 0)
-        return ehd_fail(error, EHD_USAGE,
-                        "--num-parts: found with --basis, expected one of them: it solves nothing");
-    if (options->piece.total > 1)
-        return ehd_fail(error, EHD_USAGE,
-                        "--basis: found with --shard, expected one of them: the whole plan is one "
-                        "file");
-    if (options->resume)
-        return ehd_fail(error, EHD_USAGE,
-                        "--resume: found with --basis, expected one of them: the "
-                        "projected system is done in seconds");
-    if (of_adaptive)
-        return ehd_fail(error, EHD_USAGE,
-                        "--%s: found with --basis, expected one of them: the points are chosen "
-                        "before the basis is made",
-                        of_adaptive);
-    if (options->cold)
-        return ehd_fail(error, EHD_USAGE,
-                        "--cold: found with --basis, expected one of them: the projected system "
-                        "starts from the snapshots");
-    status = load_set(&set, &adaptive, self, options->piece, error);
+    if (!status) status = load_set(&set, &adaptive, self, options->piece, error);
     if (!status)
         status = residuals_run(&num_failed, self, &set, self->arguments[0], options->basis,
                                adaptive && set.num_points > 0, options->num_jobs, error);
