@@ -119,11 +119,7 @@ ehd_status case_table_check(const program *caller, ehd_error *error) {
 // ---- which columns
 
 static const artefact_field *field_of(size_t index) {
-    const artefact_field *field = schema_cases.fields;
-
-    while (strcmp(field->name, columns[index].field) != 0)
-        field++;
-    return field;
+    return entry_find(schema_cases.fields, sizeof *schema_cases.fields, columns[index].field);
 }
 
 static double real_of(const case_row *row, size_t index) {

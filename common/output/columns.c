@@ -91,11 +91,10 @@ ehd_status axis_number(artefact *file, const char *axis, size_t first, size_t co
 
 static ehd_status put_entry(artefact *file, size_t entry, const named_number *number,
                             ehd_error *error) {
-    const artefact_field *field = artefact_kind(file)->fields;
+    const artefact_field *fields = artefact_kind(file)->fields;
+    const artefact_field *field = entry_find(fields, sizeof *field, number->name);
 
-    while (field->name && strcmp(field->name, number->name) != 0)
-        field++;
-    if (field->type == ARTEFACT_REAL)
+    if (!field || field->type == ARTEFACT_REAL)
         return artefact_put_part(file, number->name, entry, 1, &number->value, error);
     const int64_t integer = (int64_t)number->value;
     return artefact_put_integers_part(file, number->name, entry, 1, &integer, error);
@@ -103,11 +102,10 @@ static ehd_status put_entry(artefact *file, size_t entry, const named_number *nu
 
 static ehd_status put_number(artefact *file, size_t entry, const named_number *number,
                              ehd_error *error) {
-    const artefact_attribute *attribute = artefact_kind(file)->attributes;
+    const artefact_attribute *all = artefact_kind(file)->attributes;
+    const artefact_attribute *attribute = entry_find(all, sizeof *all, number->name);
 
-    while (attribute->name && strcmp(attribute->name, number->name) != 0)
-        attribute++;
-    if (!attribute->name) return put_entry(file, entry, number, error);
+    if (!attribute) return put_entry(file, entry, number, error);
     return attribute->type == ARTEFACT_INTEGER
                ? artefact_put_integer(file, number->name, (int64_t)number->value, error)
                : artefact_put_real(file, number->name, number->value, error);

@@ -60,17 +60,15 @@ void print_csv_real(double value, FILE *stream) {
 // ---- names
 
 static const artefact_axis *find_axis(const artefact *file, const char *name) {
-    for (const artefact_axis *axis = artefact_kind(file)->axes; axis->name; axis++) {
-        const bool known = artefact_length(file, axis->name) > 0 || artefact_has(file, axis->name);
-        if (known && strcmp(axis->name, name) == 0) return axis;
-    }
-    return NULL;
+    const artefact_axis *axis = entry_find(artefact_kind(file)->axes, sizeof *axis, name);
+
+    return axis && (artefact_length(file, name) > 0 || artefact_has(file, name)) ? axis : NULL;
 }
 
 static const artefact_field *find_field(const artefact *file, const char *name) {
-    for (const artefact_field *field = artefact_kind(file)->fields; field->name; field++)
-        if (strcmp(field->name, name) == 0 && artefact_has(file, name)) return field;
-    return NULL;
+    const artefact_field *field = entry_find(artefact_kind(file)->fields, sizeof *field, name);
+
+    return field && artefact_has(file, name) ? field : NULL;
 }
 
 /* Names in one text, as far as there is room. */
@@ -442,11 +440,10 @@ static void describe(description *self, const char *name, size_t rank, const cha
 
 static void describe_attribute(const char *name, void *data) {
     description *self = data;
-    const artefact_attribute *known = artefact_kind(self->file)->attributes;
+    const artefact_attribute *known =
+        entry_find(artefact_kind(self->file)->attributes, sizeof *known, name);
 
-    while (known->name && strcmp(known->name, name) != 0)
-        known++;
-    describe(self, name, 0, NULL, known->name ? known->long_name : "");
+    describe(self, name, 0, NULL, known ? known->long_name : "");
 }
 
 ehd_status print_names(artefact *file, bool si, FILE *stream, ehd_error *error) {

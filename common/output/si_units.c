@@ -7,29 +7,20 @@
 #include <string.h>
 
 static const artefact_field *find_field(const artefact *file, const char *name) {
-    for (const artefact_field *field = artefact_kind(file)->fields; field->name; field++)
-        if (strcmp(field->name, name) == 0) return field;
-    return NULL;
+    const artefact_field *fields = artefact_kind(file)->fields;
+
+    return entry_find(fields, sizeof *fields, name);
 }
 
 /* Finds the units of a name in the schema. Returns the scale to SI units, or NULL. */
 static const artefact_scale *look_up(const char **units, const artefact *file, const char *name) {
     const artefact_schema *kind = artefact_kind(file);
     const artefact_field *field = find_field(file, name);
+    const artefact_axis *axis = entry_find(kind->axes, sizeof *axis, name);
+    const artefact_attribute *attribute = entry_find(kind->attributes, sizeof *attribute, name);
 
-    *units = field ? field->units : "";
-    if (field) return field->scale;
-    for (const artefact_axis *axis = kind->axes; axis->name; axis++) {
-        if (strcmp(axis->name, name) != 0) continue;
-        *units = axis->units;
-        return axis->scale;
-    }
-    for (const artefact_attribute *attribute = kind->attributes; attribute->name; attribute++) {
-        if (strcmp(attribute->name, name) != 0) continue;
-        *units = attribute->units;
-        return attribute->scale;
-    }
-    return NULL;
+    *units = field ? field->units : axis ? axis->units : attribute ? attribute->units : "";
+    return field ? field->scale : axis ? axis->scale : attribute ? attribute->scale : NULL;
 }
 
 const char *si_units_plain(const artefact *file, const char *name) {
