@@ -163,7 +163,7 @@ static ehd_status check_counts(const trade_table *table, const column *counts, s
 static ehd_status get_sizes(trade_table *table, artefact *file, ehd_error *error) {
     ehd_status status = get(table, sizes, file, error);
 
-    for (size_t i = 0; sizes[i].field && !status; i++) {
+    for (size_t i = 0; i < sizeof size_axes / sizeof *size_axes && !status; i++) {
         const size_t max = artefact_length(file, size_axes[i]);
         status = check_counts(table, &sizes[i], max > 0 ? 1 : 0, max, file, error);
     }
