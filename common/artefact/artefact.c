@@ -106,8 +106,8 @@ const artefact_field *find_field(const artefact *file, const char *name) {
     return found && !found->axis ? &found->field : NULL;
 }
 
-const artefact_attribute *find_attribute(const artefact *file, const char *name) {
-    for (const artefact_attribute *entry = file->schema->attributes; entry->name; entry++) {
+const artefact_field *find_attribute(const artefact *file, const char *name) {
+    for (const artefact_field *entry = file->schema->attributes; entry->name; entry++) {
         if (strcmp(entry->name, name) == 0) return entry;
     }
     return NULL;

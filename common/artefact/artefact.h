@@ -66,10 +66,11 @@ typedef struct artefact_axis {
     const artefact_scale *scale; // NULL: the numbers are dimensionless, or already in SI units
 } artefact_axis;
 
+/* A dataset, or an attribute of the root. */
 typedef struct artefact_field {
     const char *name;
-    artefact_type type;                  // REAL (IEEE f64 LE) or INTEGER (i64 LE)
-    const char *axes[ARTEFACT_MAX_RANK]; // NULL after the last axis
+    artefact_type type;                  // dataset: REAL (IEEE f64 LE) or INTEGER (i64 LE)
+    const char *axes[ARTEFACT_MAX_RANK]; // NULL after the last axis; an attribute has none
     const char *units;                   // UDUNITS; "1" if dimensionless
     const char *long_name;
     artefact_need need;
@@ -78,23 +79,13 @@ typedef struct artefact_field {
     const artefact_scale *scale; // NULL: the numbers are dimensionless, or already in SI units
 } artefact_field;
 
-typedef struct artefact_attribute {
-    const char *name;
-    artefact_type type;
-    const char *units; // stated on the schema page
-    const char *long_name;
-    artefact_need need;
-    artefact_values values;
-    const artefact_scale *scale;
-} artefact_attribute;
-
 typedef struct artefact_schema {
-    const char *name;                     // "ehdrom-snapshots"
-    int major, minor;                     // readers refuse only a larger major version
-    const char *title;                    // attribute `title` of such a file
-    const artefact_axis *axes;            // ends with {0}
-    const artefact_field *fields;         // ends with {0}
-    const artefact_attribute *attributes; // ends with {0}
+    const char *name;                 // "ehdrom-snapshots"
+    int major, minor;                 // readers refuse only a larger major version
+    const char *title;                // attribute `title` of such a file
+    const artefact_axis *axes;        // ends with {0}
+    const artefact_field *fields;     // ends with {0}
+    const artefact_field *attributes; // ends with {0}
 } artefact_schema;
 
 extern const artefact_schema schema_result, schema_snapshots, schema_basis, schema_part,

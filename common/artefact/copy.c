@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static ehd_status copy_attribute(artefact *to, artefact *from, const artefact_attribute *attribute,
+static ehd_status copy_attribute(artefact *to, artefact *from, const artefact_field *attribute,
                                  ehd_error *error) {
     const char *name = attribute->name;
     int64_t integer = 0;
@@ -82,7 +82,7 @@ ehd_status artefact_copy(artefact *to, artefact *from, const char *const *except
     ehd_status status = EHD_OK;
 
     to->copied = true;
-    for (const artefact_attribute *entry = schema->attributes; entry->name && !status; entry++)
+    for (const artefact_field *entry = schema->attributes; entry->name && !status; entry++)
         if (hdf5_has_attribute(from->id, entry->name))
             status = copy_attribute(to, from, entry, error);
     for (const artefact_axis *axis = schema->axes; axis->name && !status; axis++) {

@@ -116,7 +116,7 @@ static void hash_attributes(const artefact *file, char digest[65]) {
     sha256_init(&context);
     hash_attribute(&context, file, "schema_name", ARTEFACT_TEXT);
     hash_attribute(&context, file, "schema_version", ARTEFACT_TEXT);
-    for (const artefact_attribute *entry = file->schema->attributes; entry->name; entry++)
+    for (const artefact_field *entry = file->schema->attributes; entry->name; entry++)
         hash_attribute(&context, file, entry->name, entry->type);
     sha256_end(&context, digest);
 }

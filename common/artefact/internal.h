@@ -265,7 +265,7 @@ void artefact_delete(artefact *file); // closes the HDF5 file without error chec
 bool set_schema(artefact *file, const artefact_schema *schema);
 file_dataset *find_dataset(const artefact *file, const char *name); // NULL: not in the schema
 const artefact_field *find_field(const artefact *file, const char *name);
-const artefact_attribute *find_attribute(const artefact *file, const char *name);
+const artefact_field *find_attribute(const artefact *file, const char *name);
 const char *shown_name(const artefact *file); // name on disk, for messages
 bool axis_is_optional(const artefact_schema *schema, const char *name);
 bool field_grows(const artefact *file, const artefact_field *field);

@@ -128,7 +128,7 @@ static const char *type_name(artefact_type type) {
     return names[type];
 }
 
-static ehd_status check_attribute(const artefact *file, const artefact_attribute *entry,
+static ehd_status check_attribute(const artefact *file, const artefact_field *entry,
                                   ehd_error *error) {
     double real = 0;
     int64_t integer = 0;
@@ -153,7 +153,7 @@ static ehd_status check_attribute(const artefact *file, const artefact_attribute
 }
 
 static ehd_status check_attributes(const artefact *file, ehd_error *error) {
-    for (const artefact_attribute *entry = file->schema->attributes; entry->name; entry++) {
+    for (const artefact_field *entry = file->schema->attributes; entry->name; entry++) {
         bool present = hdf5_has_attribute(file->id, entry->name);
         if (!present && entry->need == NEED_ALWAYS) {
             return ehd_fail(error, EHD_DATA, "%s: found no attribute %s, expected %s",

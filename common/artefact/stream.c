@@ -31,7 +31,7 @@ static ehd_status check_fields_written(const artefact *file, ehd_error *error) {
 }
 
 static ehd_status check_attributes_written(const artefact *file, bool own, ehd_error *error) {
-    for (const artefact_attribute *entry = file->schema->attributes; entry->name; entry++) {
+    for (const artefact_field *entry = file->schema->attributes; entry->name; entry++) {
         bool needed = own ? must_write(file, entry->need) : entry->need == NEED_ALWAYS;
         if (needed && !hdf5_has_attribute(file->id, entry->name))
             return not_written(file, entry->name, error);

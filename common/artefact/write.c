@@ -331,7 +331,7 @@ ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first
 
 static ehd_status check_attribute(const artefact *file, const char *name, artefact_type type,
                                   ehd_error *error) {
-    const artefact_attribute *attribute = find_attribute(file, name);
+    const artefact_field *attribute = find_attribute(file, name);
     if (attribute && attribute->type == type && !file->streaming) return EHD_OK;
     return ehd_fail(error, EHD_INTERNAL,
                     "%s: found attribute %s, expected one of %s with this type%s", file->path, name,

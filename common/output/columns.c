@@ -102,8 +102,8 @@ static ehd_status put_entry(artefact *file, size_t entry, const named_number *nu
 
 static ehd_status put_number(artefact *file, size_t entry, const named_number *number,
                              ehd_error *error) {
-    const artefact_attribute *all = artefact_kind(file)->attributes;
-    const artefact_attribute *attribute = entry_find(all, sizeof *all, number->name);
+    const artefact_field *all = artefact_kind(file)->attributes;
+    const artefact_field *attribute = entry_find(all, sizeof *all, number->name);
 
     if (!attribute) return put_entry(file, entry, number, error);
     return attribute->type == ARTEFACT_INTEGER

@@ -440,7 +440,7 @@ static void describe(description *self, const char *name, size_t rank, const cha
 
 static void describe_attribute(const char *name, void *data) {
     description *self = data;
-    const artefact_attribute *known =
+    const artefact_field *known =
         entry_find(artefact_kind(self->file)->attributes, sizeof *known, name);
 
     describe(self, name, 0, NULL, known ? known->long_name : "");

@@ -17,7 +17,7 @@ static const artefact_scale *look_up(const char **units, const artefact *file, c
     const artefact_schema *kind = artefact_kind(file);
     const artefact_field *field = find_field(file, name);
     const artefact_axis *axis = entry_find(kind->axes, sizeof *axis, name);
-    const artefact_attribute *attribute = entry_find(kind->attributes, sizeof *attribute, name);
+    const artefact_field *attribute = entry_find(kind->attributes, sizeof *attribute, name);
 
     *units = field ? field->units : axis ? axis->units : attribute ? attribute->units : "";
     return field ? field->scale : axis ? axis->scale : attribute ? attribute->scale : NULL;

@@ -54,7 +54,7 @@ static void print_fields(const artefact_schema *schema, FILE *stream) {
     }
 }
 
-static void print_attributes(const artefact_attribute *entry, FILE *stream) {
+static void print_attributes(const artefact_field *entry, FILE *stream) {
     fprintf(stream, "| attribute | type | units | values | written by | meaning |\n"
                     "|---|---|---|---|---|---|\n");
     for (; entry->name; entry++) {

@@ -43,7 +43,7 @@ static void write_result(size_t num_times, size_t num_lines) {
     if (num_lines > 1) check_ok(artefact_put_axis(file, "y", num_lines, lines, &error));
     check_ok(artefact_put_axis(file, "x", NUM_NODES, nodes, &error));
     check_ok(artefact_put_text(file, "contact", "line", &error));
-    for (const artefact_attribute *one = schema_result.attributes; one->name; one++)
+    for (const artefact_field *one = schema_result.attributes; one->name; one++)
         if (one->need != NEED_OPTIONAL && one->type == ARTEFACT_REAL)
             check_ok(artefact_put_real(file, one->name, 1. / 3, &error));
     check_ok(artefact_put(file, "pressure", pressure, &error));
@@ -167,7 +167,7 @@ static void write_units(bool with_frames) {
     check_ok(artefact_put_axis(file, "time", 2, times, &error));
     check_ok(artefact_put_axis(file, "x", 2, nodes, &error));
     check_ok(artefact_put_text(file, "contact", "line", &error));
-    for (const artefact_attribute *row = schema_result.attributes; row->name; row++)
+    for (const artefact_field *row = schema_result.attributes; row->name; row++)
         if (row->need != NEED_OPTIONAL && row->type == ARTEFACT_REAL)
             check_ok(artefact_put_real(file, row->name, 6, &error));
     for (size_t i = 0; i < sizeof units / sizeof *units; i++)
@@ -244,7 +244,7 @@ static void leave_unfinished(size_t num_times) {
         artefact_create_growing(&file, path, &schema_result, "time", &caller, "", NULL, &error));
     check_ok(artefact_put_axis(file, "x", NUM_NODES, nodes, &error));
     check_ok(artefact_put_text(file, "contact", "line", &error));
-    for (const artefact_attribute *one = schema_result.attributes; one->name; one++)
+    for (const artefact_field *one = schema_result.attributes; one->name; one++)
         if (one->need != NEED_OPTIONAL && one->type == ARTEFACT_REAL)
             check_ok(artefact_put_real(file, one->name, 1, &error));
     for (const artefact_field *one = schema_result.fields; one->name; one++)

@@ -94,7 +94,7 @@ static size_t times_used(const artefact_schema *schema, const char *name) {
     for (const artefact_field *e = schema->fields; e->name; e++) {
         count += strcmp(e->name, name) == 0;
     }
-    for (const artefact_attribute *e = schema->attributes; e->name; e++) {
+    for (const artefact_field *e = schema->attributes; e->name; e++) {
         count += strcmp(e->name, name) == 0;
     }
     return count;
@@ -127,7 +127,7 @@ static void check_scale(const artefact_schema *schema, const char *name, const c
     if (!scale) return;
     if (strcmp(units, "1") != 0) fail_msg("%s: %s: has units and a scale", schema->name, name);
     for (int i = 0; i < 2 && scale->attributes[i]; i++) {
-        const artefact_attribute *of = schema->attributes;
+        const artefact_field *of = schema->attributes;
         while (of->name && strcmp(of->name, scale->attributes[i]) != 0)
             of++;
         if (!of->name || strcmp(of->units, "1") == 0)
@@ -159,7 +159,7 @@ static void tables_make_sense(void **state) {
             check_scale(schema, e->name, e->units, e->scale);
             check_axes(schema, e);
         }
-        for (const artefact_attribute *e = schema->attributes; e->name; e++) {
+        for (const artefact_field *e = schema->attributes; e->name; e++) {
             check_entry(schema, e->name, e->units, e->long_name, "attribute");
             check_scale(schema, e->name, e->units, e->scale);
         }
