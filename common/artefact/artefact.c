@@ -39,17 +39,11 @@ void artefact_delete(artefact *file) {
 
 void artefact_close(artefact **file) {
     if (!*file) return;
-    char *unfinished = NULL;
+    // an unfinished file is removed before its closing releases the writer's lock
     if ((*file)->partial && !(*file)->keep) {
-        unfinished = (*file)->partial;
-        (*file)->partial = NULL;
-    }
-    // the file is removed before its closing releases the writer's lock
-    if (unfinished) {
-        unlink(unfinished);
+        unlink((*file)->partial);
         unlink((*file)->saved);
     }
-    free(unfinished);
     artefact_delete(*file);
     *file = NULL;
 }
@@ -63,10 +57,7 @@ const char *artefact_path(const artefact *file) {
 }
 
 ehd_status artefact_identity(artefact *file, char identity[65], ehd_error *error) {
-    ehd_status status = EHD_OK;
-    if (!file->identity[0]) status = artefact_file_identity(file->identity, file->path, error);
-    memcpy(identity, file->identity, sizeof file->identity);
-    return status;
+    return artefact_file_identity(identity, file->path, error);
 }
 
 const char *shown_name(const artefact *file) {
@@ -106,11 +97,14 @@ const artefact_field *find_field(const artefact *file, const char *name) {
     return found && !found->axis ? &found->field : NULL;
 }
 
+const artefact_field *artefact_find(const artefact_field *list, const char *name) {
+    while (list->name && strcmp(list->name, name) != 0)
+        list++;
+    return list->name ? list : NULL;
+}
+
 const artefact_field *find_attribute(const artefact *file, const char *name) {
-    for (const artefact_field *entry = file->schema->attributes; entry->name; entry++) {
-        if (strcmp(entry->name, name) == 0) return entry;
-    }
-    return NULL;
+    return artefact_find(file->schema->attributes, name);
 }
 
 bool axis_is_optional(const artefact_schema *schema, const char *name) {
@@ -155,6 +149,7 @@ static hid_t *held_dataset(const artefact *file, const char *name) {
 }
 
 bool field_exists(const artefact *file, const artefact_field *field) {
+    if (!field->axes[0]) return hdf5_has_attribute(file->id, field->name);
     const hid_t *held = held_dataset(file, field->name);
     return (held && *held > 0) || hdf5_has_dataset(file->id, field->name);
 }
@@ -167,27 +162,28 @@ hid_t open_dataset(artefact *file, const char *name) {
     return *held;
 }
 
-size_t dataset_length(hid_t dataset) {
-    hsize_t dims[H5S_MAX_RANK] = {0};
-    hid_t space = H5Dget_space(dataset);
-    H5Sget_simple_extent_dims(space, dims, NULL);
+/* Reads the lengths of a dataset and their limits. Returns false on failure. */
+static bool get_lengths(hsize_t dims[H5S_MAX_RANK], hsize_t max_dims[H5S_MAX_RANK], hid_t dataset) {
+    const hid_t space = H5Dget_space(dataset);
+    const bool got = H5Sget_simple_extent_dims(space, dims, max_dims) > 0;
+
     hdf5_release(space);
-    return (size_t)dims[0];
+    return got;
+}
+
+size_t dataset_length(hid_t dataset) {
+    hsize_t dims[H5S_MAX_RANK], max_dims[H5S_MAX_RANK];
+    return get_lengths(dims, max_dims, dataset) ? (size_t)dims[0] : 0;
 }
 
 bool is_extendible(hid_t dataset) {
-    hsize_t max_dims[H5S_MAX_RANK] = {0};
-    hid_t space = H5Dget_space(dataset);
-    H5Sget_simple_extent_dims(space, NULL, max_dims);
-    hdf5_release(space);
-    return max_dims[0] == H5S_UNLIMITED;
+    hsize_t dims[H5S_MAX_RANK], max_dims[H5S_MAX_RANK];
+    return get_lengths(dims, max_dims, dataset) && max_dims[0] == H5S_UNLIMITED;
 }
 
 bool set_dataset_length(hid_t dataset, size_t length) {
-    hsize_t dims[H5S_MAX_RANK] = {0};
-    hid_t space = H5Dget_space(dataset);
-    H5Sget_simple_extent_dims(space, dims, NULL);
-    hdf5_release(space);
+    hsize_t dims[H5S_MAX_RANK], max_dims[H5S_MAX_RANK];
+    if (!get_lengths(dims, max_dims, dataset)) return false;
     dims[0] = length;
     return H5Dset_extent(dataset, dims) >= 0;
 }
@@ -232,10 +228,6 @@ static ehd_status select_part(selection *of, artefact *file, const char *name, s
                     first, first + count);
 }
 
-static hid_t memory_type(artefact_type type) {
-    return type == ARTEFACT_REAL ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
-}
-
 void wait_for_writer(void) {
     const struct timespec pause = {.tv_nsec = 10000000};
 
@@ -253,8 +245,8 @@ static bool read_selection(const artefact *file, const selection *of, artefact_t
 
     for (int i = 0; i < attempts; i++) {
         if (i > 0) wait_for_writer();
-        if (H5Dread(of->dataset, memory_type(type), of->memory_space, of->file_space, H5P_DEFAULT,
-                    data) >= 0)
+        if (H5Dread(of->dataset, hdf5_memory_type(type), of->memory_space, of->file_space,
+                    H5P_DEFAULT, data) >= 0)
             return true;
     }
     return false;
@@ -291,7 +283,7 @@ ehd_status write_entries(artefact *file, const char *name, artefact_type type, s
     if (!status && may_grow && !extend_dataset(of.dataset, first + count))
         status = hdf5_write_failed(file, name, error);
     if (!status) status = select_part(&of, file, name, first, count, error);
-    if (!status && H5Dwrite(of.dataset, memory_type(type), of.memory_space, of.file_space,
+    if (!status && H5Dwrite(of.dataset, hdf5_memory_type(type), of.memory_space, of.file_space,
                             H5P_DEFAULT, data) < 0)
         status = hdf5_write_failed(file, name, error);
     release_selection(&of);

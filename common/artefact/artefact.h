@@ -92,6 +92,9 @@ extern const artefact_schema schema_result, schema_snapshots, schema_basis, sche
     schema_residuals, schema_model, schema_cases;
 extern const artefact_schema *const artefact_schemas[]; // all schemas, NULL at the end
 
+/* Finds an entry in the fields or attributes of a schema; NULL: there is none of this name. */
+const artefact_field *artefact_find(const artefact_field *list, const char *name);
+
 typedef struct artefact artefact;
 
 // ---- writing
@@ -273,7 +276,7 @@ ehd_status artefact_open_unfinished(
 
 const artefact_schema *artefact_kind(const artefact *file);
 const char *artefact_path(const artefact *file);
-/* Returns the SHA-256 of the opened file, 64 hexadecimal digits. The first call computes it. */
+/* Returns the SHA-256 of the opened file, 64 hexadecimal digits. */
 ehd_status artefact_identity(artefact *file, char identity[65], ehd_error *error);
 
 /* Returns the SHA-256 of any file. Errors: EHD_NOINPUT, EHD_IO. */
@@ -328,7 +331,8 @@ ehd_status artefact_get_scale(
     // input:
     artefact *file, const artefact_scale *scale, ehd_error *error);
 
-/* Visits the names of all attributes of the root, including attributes outside the schema. */
+/* Visits the names of all attributes of the root, including attributes outside the schema, in the
+ * order of their names. */
 void artefact_visit_attributes(const artefact *file, void (*visit)(const char *name, void *data),
                                void *data);
 

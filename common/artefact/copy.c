@@ -8,24 +8,18 @@
 static ehd_status copy_attribute(artefact *to, artefact *from, const artefact_field *attribute,
                                  ehd_error *error) {
     const char *name = attribute->name;
-    int64_t integer = 0;
-    double real = 0;
+    any_number number;
     char *text = NULL;
     ehd_status status;
 
-    switch (attribute->type) {
-    case ARTEFACT_INTEGER:
-        status = artefact_get_integer(from, name, &integer, error);
-        return status ? status : artefact_put_integer(to, name, integer, error);
-    case ARTEFACT_REAL:
-        status = artefact_get_real(from, name, &real, error);
-        return status ? status : artefact_put_real(to, name, real, error);
-    default:
-        status = artefact_get_text(from, name, &text, error);
-        if (!status) status = artefact_put_text(to, name, text, error);
-        free(text);
-        return status;
+    if (attribute->type != ARTEFACT_TEXT) {
+        status = get_number(from, name, attribute->type, &number, error);
+        return status ? status : put_attribute(to, name, attribute->type, &number, error);
     }
+    status = artefact_get_text(from, name, &text, error);
+    if (!status) status = artefact_put_text(to, name, text, error);
+    free(text);
+    return status;
 }
 
 /* Copies an axis. Values 0, 1, 2, … are written as an integer index. */
@@ -57,22 +51,14 @@ static bool has_listed_axis(const artefact_field *field, const char *const *axes
 
 static ehd_status copy_field(artefact *to, artefact *from, const artefact_field *field,
                              ehd_error *error) {
-    bool integer = field->type == ARTEFACT_INTEGER;
-    ehd_status status;
-
     const size_t length = num_entries(from, field), each = entry_size(from, field);
-    int64_t *integers = array_new(length, each, sizeof *integers);
-    double *reals = array_new(length, each, sizeof *reals);
-    if (!integers || !reals)
-        status = ehd_no_memory(error, shown_name(to));
-    else
-        status = integer ? artefact_get_integers(from, field->name, integers, length * each, error)
-                         : artefact_get(from, field->name, reals, length * each, error);
-    if (!status)
-        status = integer ? artefact_put_integers(to, field->name, integers, error)
-                         : artefact_put(to, field->name, reals, error);
-    free(integers);
-    free(reals);
+    any_number *numbers = array_new(length, each, sizeof *numbers);
+    if (!numbers) return ehd_no_memory(error, shown_name(to));
+
+    ehd_status status =
+        get_entries(from, field->name, field->type, 0, WHOLE_FIELD, numbers, length * each, error);
+    if (!status) status = put_entries(to, field->name, field->type, 0, WHOLE_FIELD, numbers, error);
+    free(numbers);
     return status;
 }
 

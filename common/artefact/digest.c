@@ -89,25 +89,20 @@ void digest_end(content_digest *self, char text[65]) {
 
 static void hash_attribute(struct sha256_ctx *context, const artefact *file, const char *name,
                            artefact_type type) {
-    double real = 0;
-    int64_t integer = 0;
-    char *text = NULL;
+    any_number number = {.integer = 0};
 
     if (!hdf5_has_attribute(file->id, name)) return;
     add_text(context, name);
     add_text(context, "\n");
-    if (type == ARTEFACT_REAL) {
-        hdf5_get_number(file->id, name, H5T_FLOAT, &real);
-        add_numbers(context, &real, 1);
-    } else if (type == ARTEFACT_INTEGER) {
-        hdf5_get_number(file->id, name, H5T_INTEGER, &integer);
-        add_numbers(context, &integer, 1);
-    } else {
-        text = hdf5_get_text(file->id, name);
-        if (text) add_text(context, text);
-        add_text(context, "\n");
-        free(text);
+    if (type != ARTEFACT_TEXT) {
+        hdf5_get_number(file->id, name, type, &number);
+        add_numbers(context, &number, 1);
+        return;
     }
+    char *text = hdf5_get_text(file->id, name);
+    if (text) add_text(context, text);
+    add_text(context, "\n");
+    free(text);
 }
 
 static void hash_attributes(const artefact *file, char digest[65]) {

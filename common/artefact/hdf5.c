@@ -301,9 +301,10 @@ static herr_t visit_one(hid_t object, const char *name, const H5A_info_t *info, 
     return 0;
 }
 
-void hdf5_visit_attributes(hid_t object, void (*visit)(const char *name, void *data), void *data) {
+void artefact_visit_attributes(const artefact *file, void (*visit)(const char *name, void *data),
+                               void *data) {
     attribute_visitor visitor = {visit, data};
-    H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, NULL, visit_one, &visitor);
+    H5Aiterate2(file->id, H5_INDEX_NAME, H5_ITER_INC, NULL, visit_one, &visitor);
 }
 
 // ---- attributes
@@ -347,9 +348,8 @@ bool hdf5_put_text(hid_t root, const char *name, const char *text) {
     bool written = copy && piece;
     char label[128];
     int number = 1;
-    const char *rest = copy;
-    while (written && (number == 1 || *rest)) {
-        size_t length = piece_length(rest);
+    for (const char *rest = copy; written && (number == 1 || *rest);) {
+        const size_t length = piece_length(rest);
         memcpy(piece, rest, length);
         piece[length] = '\0';
         piece_name(label, name, number++);
@@ -357,10 +357,10 @@ bool hdf5_put_text(hid_t root, const char *name, const char *text) {
         rest += length;
     }
     // removes pieces of a longer text that was stored before
-    for (bool more = written; more; number++) {
-        piece_name(label, name, number);
-        more = hdf5_has_attribute(root, label);
-        if (more) written = H5Adelete(root, label) >= 0 && written;
+    piece_name(label, name, number);
+    while (written && hdf5_has_attribute(root, label)) {
+        written = H5Adelete(root, label) >= 0;
+        piece_name(label, name, ++number);
     }
     free(piece);
     free(copy);
@@ -447,16 +447,19 @@ char *hdf5_get_text(hid_t root, const char *name) {
     return text;
 }
 
-bool hdf5_get_number(hid_t object, const char *name, H5T_class_t wanted, void *value) {
+hid_t hdf5_memory_type(artefact_type type) {
+    return type == ARTEFACT_REAL ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
+}
+
+bool hdf5_get_number(hid_t object, const char *name, artefact_type type, void *value) {
     hid_t attribute = open_single(object, name);
     if (attribute < 0) return false;
-    hid_t type = H5Aget_type(attribute);
-    H5T_class_t found = H5Tget_class(type);
-    bool fits = found == wanted || (wanted == H5T_FLOAT && found == H5T_INTEGER);
-    hid_t memory_type = wanted == H5T_FLOAT ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
-    bool read = fits && H5Aread(attribute, memory_type, value) >= 0;
-    if (type < 0 || (fits && !read)) hdf5_note_failure();
-    hdf5_release(type);
+    hid_t stored = H5Aget_type(attribute);
+    H5T_class_t found = H5Tget_class(stored);
+    bool fits = found == H5T_INTEGER || (found == H5T_FLOAT && type == ARTEFACT_REAL);
+    bool read = fits && H5Aread(attribute, hdf5_memory_type(type), value) >= 0;
+    if (stored < 0 || (fits && !read)) hdf5_note_failure();
+    hdf5_release(stored);
     hdf5_release(attribute);
     return read;
 }

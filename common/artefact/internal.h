@@ -16,6 +16,12 @@ typedef struct own_dataset {
     haddr_t address;     // address of the object header; HDF5 references contain this address
 } own_dataset;
 
+/* A number of either type, as an attribute or dataset has it. */
+typedef union any_number {
+    double real;
+    int64_t integer;
+} any_number;
+
 /* A dataset of the schema: an axis or a field. If the dataset is an axis, `field` describes it as a
  * field of real numbers along this axis. */
 typedef struct file_dataset {
@@ -56,7 +62,6 @@ struct artefact {
     bool keep;   // --resume can use the partial file
     bool copied; // the file was filled by artefact_copy; NEED_OWN items may be missing
     bool failed; // a write failed, so the file must not get its final name
-    char identity[65];
 };
 
 // ---- hdf5.c: settings, errors, files and attributes of HDF5
@@ -114,16 +119,15 @@ bool hdf5_put_text(hid_t root, const char *name, const char *text);
 char *hdf5_get_string(hid_t object, const char *name);
 /* Returns the joined pieces that hdf5_put_text wrote; free the text with free(). */
 char *hdf5_get_text(hid_t root, const char *name);
-/* Reads one number of class `wanted` (H5T_FLOAT also accepts integers). Returns false if the
- * attribute is missing or is not such a number. */
-bool hdf5_get_number(hid_t object, const char *name, H5T_class_t wanted, void *value);
+hid_t hdf5_memory_type(artefact_type type); // of numbers in memory
+/* Reads one number of a type (ARTEFACT_REAL also accepts integers). Returns false if the attribute
+ * is missing or is not such a number. */
+bool hdf5_get_number(hid_t object, const char *name, artefact_type type, void *value);
 
 /* Check whether the object exists. After a failed look-up the functions return false, and
  * hdf5_blame reports the failure. */
 bool hdf5_has_dataset(hid_t root, const char *name);
 bool hdf5_has_attribute(hid_t object, const char *name);
-/* Visits the names of all attributes of an object, in the order of their names. */
-void hdf5_visit_attributes(hid_t object, void (*visit)(const char *name, void *data), void *data);
 
 // ---- own_data.c
 
@@ -140,12 +144,7 @@ const char *values_text(artefact_values values); // for the schema pages; "": al
 /* Checks whether a range also restricts the order of the numbers, so that all numbers must be
  * checked together. */
 bool values_have_order(artefact_values values);
-/* Check one number of an attribute. EHD_DATA: the number is outside the range. */
-ehd_status check_real(const artefact *file, const char *name, artefact_values values, double found,
-                      ehd_error *error);
-ehd_status check_integer(const artefact *file, const char *name, artefact_values values,
-                         int64_t found, ehd_error *error);
-/* Checks `count` numbers of a field. EHD_DATA: a number is outside the range. */
+/* Checks `count` numbers of a field or attribute. EHD_DATA: a number is outside the range. */
 ehd_status check_numbers(const artefact *file, const artefact_field *field, const void *numbers,
                          size_t count, ehd_error *error);
 /* Checks the ranges and the order of `count` entries of a field from `first` on. If entries have
@@ -257,6 +256,16 @@ bool is_kept_apart(const artefact *file, const artefact_field *field);
 /* Renames the closed file to its final name, after its content is on disk. */
 ehd_status give_final_name(artefact *file, ehd_error *error);
 
+// ---- write.c
+
+/* Writes an attribute of the schema; `value` is a number of the type, or the text. */
+ehd_status put_attribute(artefact *file, const char *name, artefact_type type, const void *value,
+                         ehd_error *error);
+/* Writes `count` entries of a field, as artefact_put_part does for real numbers. WHOLE_FIELD: all
+ * entries. */
+ehd_status put_entries(artefact *file, const char *name, artefact_type type, size_t first,
+                       size_t count, const void *data, ehd_error *error);
+
 // ---- artefact.c
 
 artefact *artefact_new(const char *path);
@@ -270,7 +279,7 @@ const char *shown_name(const artefact *file); // name on disk, for messages
 bool axis_is_optional(const artefact_schema *schema, const char *name);
 bool field_grows(const artefact *file, const artefact_field *field);
 
-bool field_exists(const artefact *file, const artefact_field *field);
+bool field_exists(const artefact *file, const artefact_field *field); // also of an attribute
 
 /* A file is opened beside its writer, and data are read beside it, in at most WRITER_ATTEMPTS
  * attempts. wait_for_writer waits 10 ms before the next attempt. */
@@ -318,6 +327,12 @@ ehd_status read_field(artefact *file, const artefact_field *field,
  * (`partial`) it skips fields that may be damaged (is_kept_apart). With a growing axis it reads
  * only the axes and the fields on that axis, because other fields are overwritten in place. */
 ehd_status read_everything(artefact *file, bool partial, ehd_error *error);
+/* Read and check a number or entries of a field, like artefact_get_real and artefact_get_part.
+ * WHOLE_FIELD: all entries. */
+ehd_status get_number(artefact *file, const char *attribute, artefact_type type, void *value,
+                      ehd_error *error);
+ehd_status get_entries(artefact *file, const char *name, artefact_type type, size_t first,
+                       size_t count, void *data, size_t room, ehd_error *error);
 /* Returns the attribute `complete`, or -1 if it is missing. */
 int64_t completeness(const artefact *file);
 

@@ -73,7 +73,7 @@ static ehd_status open_failed(const char *path, ehd_error *error) {
 
 int64_t completeness(const artefact *file) {
     int64_t complete = -1;
-    if (!hdf5_get_number(file->id, "complete", H5T_INTEGER, &complete)) return -1;
+    if (!hdf5_get_number(file->id, "complete", ARTEFACT_INTEGER, &complete)) return -1;
     return complete;
 }
 
@@ -95,12 +95,9 @@ static ehd_status recognise(artefact *file, const artefact_schema *const *schema
     for (size_t i = 0; name && schemas[i]; i++) {
         if (strcmp(schemas[i]->name, name) == 0) file->schema = schemas[i];
     }
-    ehd_status status = EHD_OK;
-    if (!name) {
-        status = wrong_schema(file, "none", schemas, error);
-    } else if (!file->schema || strcmp(file->schema->name, name) != 0) {
-        status = wrong_schema(file, name, schemas, error);
-    }
+    const bool known = name && file->schema && strcmp(file->schema->name, name) == 0;
+    const ehd_status status =
+        known ? EHD_OK : wrong_schema(file, name ? name : "none", schemas, error);
     free(name);
     return status;
 }
@@ -130,26 +127,20 @@ static const char *type_name(artefact_type type) {
 
 static ehd_status check_attribute(const artefact *file, const artefact_field *entry,
                                   ehd_error *error) {
-    double real = 0;
-    int64_t integer = 0;
-    char *text = NULL;
+    any_number number;
     bool readable;
 
-    if (entry->type == ARTEFACT_REAL)
-        readable = hdf5_get_number(file->id, entry->name, H5T_FLOAT, &real);
-    else if (entry->type == ARTEFACT_INTEGER)
-        readable = hdf5_get_number(file->id, entry->name, H5T_INTEGER, &integer);
-    else
-        readable = (text = hdf5_get_string(file->id, entry->name)) != NULL;
-    free(text);
+    if (entry->type == ARTEFACT_TEXT) {
+        char *text = hdf5_get_string(file->id, entry->name);
+        readable = text != NULL;
+        free(text);
+    } else {
+        readable = hdf5_get_number(file->id, entry->name, entry->type, &number);
+    }
     if (!readable)
         return ehd_fail(error, EHD_DATA, "%s: attribute %s: found something else, expected %s",
                         shown_name(file), entry->name, type_name(entry->type));
-    if (entry->type == ARTEFACT_REAL)
-        return check_real(file, entry->name, entry->values, real, error);
-    if (entry->type == ARTEFACT_INTEGER)
-        return check_integer(file, entry->name, entry->values, integer, error);
-    return EHD_OK;
+    return check_numbers(file, entry, &number, 1, error);
 }
 
 static ehd_status check_attributes(const artefact *file, ehd_error *error) {
@@ -519,8 +510,8 @@ static ehd_status verify_once(artefact *file, const artefact_field *field, ehd_e
 
 // ---- content
 
-static ehd_status get(artefact *file, const char *name, artefact_type type, size_t first,
-                      size_t count, void *data, size_t room, ehd_error *error) {
+ehd_status get_entries(artefact *file, const char *name, artefact_type type, size_t first,
+                       size_t count, void *data, size_t room, ehd_error *error) {
     const artefact_field *field = find_field(file, name);
     if (!field || field->type != type) {
         return ehd_fail(error, EHD_INTERNAL,
@@ -545,22 +536,22 @@ static ehd_status get(artefact *file, const char *name, artefact_type type, size
 
 ehd_status artefact_get(artefact *file, const char *field, double *data, size_t room,
                         ehd_error *error) {
-    return get(file, field, ARTEFACT_REAL, 0, WHOLE_FIELD, data, room, error);
+    return get_entries(file, field, ARTEFACT_REAL, 0, WHOLE_FIELD, data, room, error);
 }
 
 ehd_status artefact_get_integers(artefact *file, const char *field, int64_t *data, size_t room,
                                  ehd_error *error) {
-    return get(file, field, ARTEFACT_INTEGER, 0, WHOLE_FIELD, data, room, error);
+    return get_entries(file, field, ARTEFACT_INTEGER, 0, WHOLE_FIELD, data, room, error);
 }
 
 ehd_status artefact_get_part(artefact *file, const char *field, size_t first, size_t count,
                              double *data, size_t room, ehd_error *error) {
-    return get(file, field, ARTEFACT_REAL, first, count, data, room, error);
+    return get_entries(file, field, ARTEFACT_REAL, first, count, data, room, error);
 }
 
 ehd_status artefact_get_integers_part(artefact *file, const char *field, size_t first, size_t count,
                                       int64_t *data, size_t room, ehd_error *error) {
-    return get(file, field, ARTEFACT_INTEGER, first, count, data, room, error);
+    return get_entries(file, field, ARTEFACT_INTEGER, first, count, data, room, error);
 }
 
 /* Checks whether an axis has values. A bare netCDF dimension is a scale without values; its name
@@ -590,18 +581,18 @@ ehd_status artefact_get_axis(artefact *file, const char *axis, double *values, s
                             : check_content(file, &find_dataset(file, axis)->field, values, error);
 }
 
-static ehd_status get_number(artefact *file, const char *attribute, H5T_class_t wanted, void *value,
-                             ehd_error *error) {
+ehd_status get_number(artefact *file, const char *attribute, artefact_type type, void *value,
+                      ehd_error *error) {
     hdf5_start();
-    if (hdf5_get_number(file->id, attribute, wanted, value)) return EHD_OK;
+    if (hdf5_get_number(file->id, attribute, type, value)) return EHD_OK;
     ehd_fail(error, EHD_DATA, "%s: found no attribute %s, expected %s", shown_name(file), attribute,
-             type_name(wanted == H5T_FLOAT ? ARTEFACT_REAL : ARTEFACT_INTEGER));
+             type_name(type));
     return hdf5_blame(EHD_DATA, shown_name(file), error);
 }
 
 ehd_status artefact_get_real(artefact *file, const char *attribute, double *value,
                              ehd_error *error) {
-    return get_number(file, attribute, H5T_FLOAT, value, error);
+    return get_number(file, attribute, ARTEFACT_REAL, value, error);
 }
 
 ehd_status artefact_get_scale(double *factor, const char **units, artefact *file,
@@ -627,7 +618,7 @@ ehd_status artefact_get_scale(double *factor, const char **units, artefact *file
 
 ehd_status artefact_get_integer(artefact *file, const char *attribute, int64_t *value,
                                 ehd_error *error) {
-    return get_number(file, attribute, H5T_INTEGER, value, error);
+    return get_number(file, attribute, ARTEFACT_INTEGER, value, error);
 }
 
 /* Drops a text after a failure, because a part of it may be missing. */
@@ -654,9 +645,9 @@ static ehd_status show_number(artefact *file, const char *attribute, char **text
     int64_t integer;
     double real;
 
-    if (hdf5_get_number(file->id, attribute, H5T_INTEGER, &integer))
+    if (hdf5_get_number(file->id, attribute, ARTEFACT_INTEGER, &integer))
         snprintf(number, sizeof number, "%" PRId64, integer);
-    else if (hdf5_get_number(file->id, attribute, H5T_FLOAT, &real))
+    else if (hdf5_get_number(file->id, attribute, ARTEFACT_REAL, &real))
         number_show(number, real);
     else
         return ehd_fail(error, EHD_DATA,
@@ -675,11 +666,6 @@ ehd_status artefact_show_attribute(artefact *file, const char *attribute, char *
     status = hdf5_blame(status, shown_name(file), error);
     if (status) forget(text);
     return status;
-}
-
-void artefact_visit_attributes(const artefact *file, void (*visit)(const char *name, void *data),
-                               void *data) {
-    hdf5_visit_attributes(file->id, visit, data);
 }
 
 // ---- check

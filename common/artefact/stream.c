@@ -8,12 +8,6 @@
 
 // ---- streaming
 
-/* Checks whether a file must have items of this need. A copy of another program's file may lack
- * NEED_OWN items. */
-static bool must_write(const artefact *file, artefact_need need) {
-    return need == NEED_ALWAYS || (need == NEED_OWN && !file->copied);
-}
-
 /* Reports a missing item. Returns EHD_DATA for a resumed file, because another process wrote it,
  * and EHD_INTERNAL otherwise. */
 static ehd_status not_written(const artefact *file, const char *name, ehd_error *error) {
@@ -22,19 +16,13 @@ static ehd_status not_written(const artefact *file, const char *name, ehd_error 
                     file->schema->name);
 }
 
-static ehd_status check_fields_written(const artefact *file, ehd_error *error) {
-    for (const artefact_field *field = file->schema->fields; field->name; field++) {
-        if (must_write(file, field->need) && !hdf5_has_dataset(file->id, field->name))
-            return not_written(file, field->name, error);
-    }
-    return EHD_OK;
-}
-
-static ehd_status check_attributes_written(const artefact *file, bool own, ehd_error *error) {
-    for (const artefact_field *entry = file->schema->attributes; entry->name; entry++) {
-        bool needed = own ? must_write(file, entry->need) : entry->need == NEED_ALWAYS;
-        if (needed && !hdf5_has_attribute(file->id, entry->name))
-            return not_written(file, entry->name, error);
+/* Checks that a file has all fields or attributes of a list that it must have. `own`: also NEED_OWN
+ * items. */
+static ehd_status check_written(const artefact *file, const artefact_field *list, bool own,
+                                ehd_error *error) {
+    for (; list->name; list++) {
+        const bool needed = list->need == NEED_ALWAYS || (list->need == NEED_OWN && own);
+        if (needed && !field_exists(file, list)) return not_written(file, list->name, error);
     }
     return EHD_OK;
 }
@@ -65,8 +53,8 @@ static ehd_status reopen_streaming(artefact *file, ehd_error *error) {
 
 ehd_status artefact_begin_streaming(artefact *file, ehd_error *error) {
     if (file->streaming) return EHD_OK;
-    ehd_status status = check_fields_written(file, error);
-    if (status == EHD_OK) status = check_attributes_written(file, false, error);
+    ehd_status status = check_written(file, file->schema->fields, !file->copied, error);
+    if (status == EHD_OK) status = check_written(file, file->schema->attributes, false, error);
     if (status != EHD_OK) return hdf5_blame(status, file->path, error);
     status = reopen_streaming(file, error);
     if (status == EHD_OK) status = sync_file(file, error);
@@ -221,9 +209,10 @@ static ehd_status write_last(artefact *file, ehd_error *error) {
         return ehd_fail(error, EHD_INTERNAL, "%s: %s: found no entry, expected at least one",
                         file->partial, file->growing);
     }
+    const bool own = !file->copied; // the copy of another program's file may lack NEED_OWN items
     ehd_status status = artefact_end_streaming(file, error);
-    if (status == EHD_OK) status = check_fields_written(file, error);
-    if (status == EHD_OK) status = check_attributes_written(file, true, error);
+    if (status == EHD_OK) status = check_written(file, file->schema->fields, own, error);
+    if (status == EHD_OK) status = check_written(file, file->schema->attributes, own, error);
     if (status == EHD_OK) status = add_resumed_history(file, error);
     if (status == EHD_OK) status = put_digests(file, error);
     if (status == EHD_OK) status = artefact_flush(file, error);

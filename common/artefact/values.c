@@ -13,55 +13,33 @@
 
 // ---- ranges
 
-/* Upper bounds of integers (see `largest`). */
-typedef enum largest_integer {
-    BOUND_NONE,
-    BOUND_X,
-    BOUND_WIDTH,
-    BOUND_INNER,
-    BOUND_FILM,
-    BOUND_STATE
-} largest_integer;
-
-typedef enum order { ORDER_ANY, ORDER_DIFFERENT, ORDER_ASCENDING } order;
-
 static const struct {
     const char *text;
-    double low, high;      // bounds of real numbers
-    int64_t least;         // lower bound of integers
-    largest_integer bound; // `bound` minus `below` is the upper bound of integers
-    int below;
-    order order;
-    bool nan; // NaN is also allowed
-} ranges[] = {
-    [VALUES_ANY] = {"", -INFINITY, INFINITY, INT64_MIN, BOUND_NONE, 0, ORDER_ANY, true},
-    [VALUES_FINITE] = {"finite", -DBL_MAX, DBL_MAX, INT64_MIN, BOUND_NONE, 0, ORDER_ANY, false},
-    [VALUES_KNOWN] = {"finite or NaN", -DBL_MAX, DBL_MAX, 0, BOUND_NONE, 0, ORDER_ANY, true},
-    [VALUES_POSITIVE] = {"above 0", DBL_TRUE_MIN, DBL_MAX, 1, BOUND_NONE, 0, ORDER_ANY, false},
-    [VALUES_POSITIVE_OR_NAN] = {"above 0, or NaN", DBL_TRUE_MIN, DBL_MAX, 1, BOUND_NONE, 0,
-                                ORDER_ANY, true},
-    [VALUES_NOT_NEGATIVE] = {"at least 0", 0, DBL_MAX, 0, BOUND_NONE, 0, ORDER_ANY, false},
-    [VALUES_BOUND] = {"at least 0, infinite or NaN", 0, INFINITY, 0, BOUND_NONE, 0, ORDER_ANY,
-                      true},
-    [VALUES_FLAG] = {"0 or 1", 0, 1, 0, BOUND_NONE, 0, ORDER_ANY, false},
-    [VALUES_COUNT] = {"at least 0", 0, DBL_MAX, 0, BOUND_NONE, 0, ORDER_ANY, false},
-    [VALUES_INDEX_OR_NONE] = {"at least -1", -1, DBL_MAX, -1, BOUND_NONE, 0, ORDER_ANY, false},
-    [VALUES_STATE_OR_NONE] = {"-1 to states - 1", -1, DBL_MAX, -1, BOUND_STATE, 1, ORDER_ANY,
-                              false},
-    [VALUES_COLUMN] = {"0 to length of x", 0, DBL_MAX, 0, BOUND_X, 0, ORDER_ANY, false},
-    [VALUES_FILM_COLUMN] = {"1 to length of x + 2", 1, DBL_MAX, 1, BOUND_WIDTH, 0, ORDER_ANY,
-                            false},
-    [VALUES_ROW] = {"0 to inner nodes - 1, each once", 0, DBL_MAX, 0, BOUND_INNER, 1,
-                    ORDER_DIFFERENT, false},
-    [VALUES_FILM_NODE] = {"0 to film nodes - 1, ascending", 0, DBL_MAX, 0, BOUND_FILM, 1,
-                          ORDER_ASCENDING, false}};
+    double low, high; // bounds; of integers `low` only, see `largest`
+    bool nan;         // NaN is also allowed
+} ranges[] = {[VALUES_ANY] = {"", -INFINITY, INFINITY, true},
+              [VALUES_FINITE] = {"finite", -DBL_MAX, DBL_MAX, false},
+              [VALUES_KNOWN] = {"finite or NaN", -DBL_MAX, DBL_MAX, true},
+              [VALUES_POSITIVE] = {"above 0", DBL_TRUE_MIN, DBL_MAX, false},
+              [VALUES_POSITIVE_OR_NAN] = {"above 0, or NaN", DBL_TRUE_MIN, DBL_MAX, true},
+              [VALUES_NOT_NEGATIVE] = {"at least 0", 0, DBL_MAX, false},
+              [VALUES_BOUND] = {"at least 0, infinite or NaN", 0, INFINITY, true},
+              // integers
+              [VALUES_FLAG] = {"0 or 1", 0, 1, false},
+              [VALUES_COUNT] = {"at least 0", 0, INFINITY, false},
+              [VALUES_INDEX_OR_NONE] = {"at least -1", -1, INFINITY, false},
+              [VALUES_STATE_OR_NONE] = {"-1 to states - 1", -1, INFINITY, false},
+              [VALUES_COLUMN] = {"0 to length of x", 0, INFINITY, false},
+              [VALUES_FILM_COLUMN] = {"1 to length of x + 2", 1, INFINITY, false},
+              [VALUES_ROW] = {"0 to inner nodes - 1, each once", 0, INFINITY, false},
+              [VALUES_FILM_NODE] = {"0 to film nodes - 1, ascending", 0, INFINITY, false}};
 
 const char *values_text(artefact_values values) {
     return ranges[values].text;
 }
 
 bool values_have_order(artefact_values values) {
-    return ranges[values].order != ORDER_ANY;
+    return values == VALUES_ROW || values == VALUES_FILM_NODE;
 }
 
 /* Returns the number of lines of the film. This number includes the lines of boundary nodes, which
@@ -72,52 +50,31 @@ static int64_t film_lines(const artefact *file) {
     int64_t half = 0;
 
     if (lines == 0) return 1;
-    if (hdf5_has_attribute(file->id, "half")) hdf5_get_number(file->id, "half", H5T_INTEGER, &half);
+    if (hdf5_has_attribute(file->id, "half"))
+        hdf5_get_number(file->id, "half", ARTEFACT_INTEGER, &half);
     return lines + (half ? 1 : 2);
 }
 
 /* Returns the largest integer of a range in this file; INT64_MAX: no bound. */
 static int64_t largest(const artefact *file, artefact_values values) {
     const int64_t x = (int64_t)artefact_length(file, "x"), y = (int64_t)artefact_length(file, "y");
-    int64_t bound = INT64_MAX;
 
-    switch (ranges[values].bound) {
-    case BOUND_NONE:
-        return values == VALUES_FLAG ? 1 : bound;
-    case BOUND_X:
-        bound = x;
-        break;
-    case BOUND_WIDTH:
-        bound = x + 2;
-        break;
-    case BOUND_INNER:
-        bound = x * (y > 0 ? y : 1);
-        break;
-    case BOUND_FILM:
-        bound = (x + 2) * film_lines(file);
-        break;
-    case BOUND_STATE:
-        bound = (int64_t)artefact_length(file, "state");
-        break;
+    switch (values) {
+    case VALUES_FLAG:
+        return 1;
+    case VALUES_STATE_OR_NONE:
+        return (int64_t)artefact_length(file, "state") - 1;
+    case VALUES_COLUMN:
+        return x;
+    case VALUES_FILM_COLUMN:
+        return x + 2;
+    case VALUES_ROW:
+        return x * (y > 0 ? y : 1) - 1;
+    case VALUES_FILM_NODE:
+        return (x + 2) * film_lines(file) - 1;
+    default:
+        return INT64_MAX;
     }
-    return bound - ranges[values].below;
-}
-
-static ehd_status real_misfits(const artefact *file, const char *name, double found,
-                               artefact_values values, ehd_error *error) {
-    return ehd_fail(error, EHD_DATA, "%s: %s: found %g, expected %s%s", shown_name(file), name,
-                    found, values == VALUES_FINITE ? "a number that is " : "", ranges[values].text);
-}
-
-static ehd_status integer_misfits(const artefact *file, const char *name, int64_t found,
-                                  artefact_values values, ehd_error *error) {
-    const int64_t last = largest(file, values);
-
-    if (last == INT64_MAX)
-        return ehd_fail(error, EHD_DATA, "%s: %s: found %" PRId64 ", expected %s", shown_name(file),
-                        name, found, ranges[values].text);
-    return ehd_fail(error, EHD_DATA, "%s: %s: found %" PRId64 ", expected %" PRId64 " to %" PRId64,
-                    shown_name(file), name, found, ranges[values].least, last);
 }
 
 /* Checks whether all numbers lie between the bounds; NaN does not. The loops have no branches, so
@@ -135,18 +92,43 @@ static bool reals_lie_between(const double *found, size_t count, double low, dou
     return outside == 0;
 }
 
-ehd_status check_real(const artefact *file, const char *name, artefact_values values, double found,
-                      ehd_error *error) {
-    const bool fits = reals_lie_between(&found, 1, ranges[values].low, ranges[values].high) ||
-                      (ranges[values].nan && isnan(found));
+static ehd_status check_reals(const artefact *file, const artefact_field *field,
+                              const double *found, size_t count, ehd_error *error) {
+    const double low = ranges[field->values].low, high = ranges[field->values].high;
+    const bool nan = ranges[field->values].nan;
 
-    return fits ? EHD_OK : real_misfits(file, name, found, values, error);
+    if (reals_lie_between(found, count, low, high)) return EHD_OK;
+    for (size_t i = 0; i < count; i++) {
+        if (reals_lie_between(&found[i], 1, low, high) || (nan && isnan(found[i]))) continue;
+        return ehd_fail(error, EHD_DATA, "%s: %s: found %g, expected %s%s", shown_name(file),
+                        field->name, found[i],
+                        field->values == VALUES_FINITE ? "a number that is " : "",
+                        ranges[field->values].text);
+    }
+    return EHD_OK;
 }
 
-ehd_status check_integer(const artefact *file, const char *name, artefact_values values,
-                         int64_t found, ehd_error *error) {
-    if (found >= ranges[values].least && found <= largest(file, values)) return EHD_OK;
-    return integer_misfits(file, name, found, values, error);
+static ehd_status check_integers(const artefact *file, const artefact_field *field,
+                                 const int64_t *found, size_t count, ehd_error *error) {
+    const int64_t least = (int64_t)ranges[field->values].low, last = largest(file, field->values);
+
+    for (size_t i = 0; i < count; i++) {
+        if (found[i] >= least && found[i] <= last) continue;
+        if (last == INT64_MAX)
+            return ehd_fail(error, EHD_DATA, "%s: %s: found %" PRId64 ", expected %s",
+                            shown_name(file), field->name, found[i], ranges[field->values].text);
+        return ehd_fail(error, EHD_DATA,
+                        "%s: %s: found %" PRId64 ", expected %" PRId64 " to %" PRId64,
+                        shown_name(file), field->name, found[i], least, last);
+    }
+    return EHD_OK;
+}
+
+ehd_status check_numbers(const artefact *file, const artefact_field *field, const void *numbers,
+                         size_t count, ehd_error *error) {
+    if (field->values == VALUES_ANY) return EHD_OK;
+    return field->type == ARTEFACT_INTEGER ? check_integers(file, field, numbers, count, error)
+                                           : check_reals(file, field, numbers, count, error);
 }
 
 static int compare_integers(const void *a, const void *b) {
@@ -165,16 +147,16 @@ static ehd_status check_ascending(const artefact *file, const char *name, const 
     return EHD_OK;
 }
 
-static ehd_status check_order(const artefact *file, const char *name, artefact_values values,
+/* Checks that the integers of a range are ascending, or that no integer occurs twice. */
+static ehd_status check_order(const artefact *file, const artefact_field *field,
                               const int64_t *found, size_t count, ehd_error *error) {
-    if (ranges[values].order == ORDER_ANY) return EHD_OK;
-    if (ranges[values].order == ORDER_ASCENDING)
-        return check_ascending(file, name, found, count, "them ascending", error);
+    if (field->values == VALUES_FILM_NODE)
+        return check_ascending(file, field->name, found, count, "them ascending", error);
     int64_t *sorted = array_new(count, 1, sizeof *sorted);
     if (!sorted) return ehd_no_memory(error, shown_name(file));
     memcpy(sorted, found, count * sizeof *sorted);
     qsort(sorted, count, sizeof *sorted, compare_integers);
-    const ehd_status status = check_ascending(file, name, sorted, count, "each once", error);
+    const ehd_status status = check_ascending(file, field->name, sorted, count, "each once", error);
     free(sorted);
     return status;
 }
@@ -184,42 +166,12 @@ static bool has_outcomes(const artefact *file, const artefact_field *field) {
     return file->outcomes && strcmp(field->axes[0], file->outcome_axis) == 0;
 }
 
-static bool integers_lie_between(const int64_t *found, size_t count, int64_t low, int64_t high) {
-    size_t outside = 0;
-
-    for (size_t i = 0; i < count; i++)
-        outside += ((found[i] >= low) & (found[i] <= high)) ? 0 : 1;
-    return outside == 0;
-}
-
-ehd_status check_numbers(const artefact *file, const artefact_field *field, const void *numbers,
-                         size_t count, ehd_error *error) {
-    const artefact_values values = field->values;
-    const int64_t *integers = numbers;
-    const double *reals = numbers;
-    ehd_status status = EHD_OK;
-
-    if (values == VALUES_ANY) return EHD_OK;
-    if (field->type == ARTEFACT_INTEGER) {
-        if (integers_lie_between(integers, count, ranges[values].least, largest(file, values)))
-            return EHD_OK;
-        for (size_t i = 0; i < count && !status; i++)
-            status = check_integer(file, field->name, values, integers[i], error);
-        return status;
-    }
-    if (reals_lie_between(reals, count, ranges[values].low, ranges[values].high)) return EHD_OK;
-    for (size_t i = 0; i < count && !status; i++) // NaN may be allowed
-        status = check_real(file, field->name, values, reals[i], error);
-    return status;
-}
-
 ehd_status check_values(const artefact *file, const artefact_field *field, size_t first,
                         size_t count, const void *data, ehd_error *error) {
-    const artefact_values values = field->values;
     ehd_status status = EHD_OK;
 
     // in a file that is being written, entries exist before their numbers
-    if (values == VALUES_ANY || file->growing || file->partial) return EHD_OK;
+    if (field->values == VALUES_ANY || file->growing || file->partial) return EHD_OK;
     const size_t each = entry_size(file, field);
     if (!has_outcomes(file, field))
         status = check_numbers(file, field, data, count * each, error);
@@ -227,8 +179,8 @@ ehd_status check_values(const artefact *file, const artefact_field *field, size_
         for (size_t e = 0; e < count && !status; e++)
             if (file->outcomes[first + e] == 0) // reals and integers have the same size
                 status = check_numbers(file, field, (const int64_t *)data + e * each, each, error);
-    if (status || field->type != ARTEFACT_INTEGER) return status;
-    return check_order(file, field->name, values, data, count * each, error);
+    if (status || !values_have_order(field->values)) return status;
+    return check_order(file, field, data, count * each, error);
 }
 
 ehd_status learn_outcomes(artefact *file, ehd_error *error) {

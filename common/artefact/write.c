@@ -27,9 +27,9 @@ typedef enum layout {
 
 // ---- the file
 
-static ehd_status create_file(artefact **result, const char *path, const artefact_schema *schema,
-                              const program *caller, const char *settings_text,
-                              const char *const *inputs, ehd_error *error) {
+ehd_status artefact_create(artefact **result, const char *path, const artefact_schema *schema,
+                           const program *caller, const char *settings_text,
+                           const char *const *inputs, ehd_error *error) {
     *result = NULL;
     artefact *file = NULL;
     ehd_status status = output_file_check_inputs(path, inputs, error);
@@ -50,12 +50,6 @@ static ehd_status create_file(artefact **result, const char *path, const artefac
     if (status != EHD_OK) artefact_close(&file);
     *result = file;
     return status;
-}
-
-ehd_status artefact_create(artefact **file, const char *path, const artefact_schema *schema,
-                           const program *caller, const char *settings_text,
-                           const char *const *inputs, ehd_error *error) {
-    return create_file(file, path, schema, caller, settings_text, inputs, error);
 }
 
 // ---- axes and fields
@@ -193,7 +187,7 @@ ehd_status artefact_create_growing(artefact **file, const char *path, const arte
                                    const char *axis, const program *caller,
                                    const char *settings_text, const char *const *inputs,
                                    ehd_error *error) {
-    ehd_status status = create_file(file, path, schema, caller, settings_text, inputs, error);
+    ehd_status status = artefact_create(file, path, schema, caller, settings_text, inputs, error);
     if (status == EHD_OK) status = put_growing_axis(*file, axis, error);
     if (status != EHD_OK) artefact_close(file);
     return status;
@@ -249,8 +243,8 @@ ehd_status artefact_declare_apart(artefact *file, const char *name, ehd_error *e
     return declare_new(file, name, LAYOUT_APART, error);
 }
 
-static ehd_status put(artefact *file, const char *name, artefact_type type, size_t first,
-                      size_t count, const void *data, ehd_error *error) {
+ehd_status put_entries(artefact *file, const char *name, artefact_type type, size_t first,
+                       size_t count, const void *data, ehd_error *error) {
     hdf5_start();
     const artefact_field *field = find_field(file, name);
     if (!field || field->type != type) {
@@ -273,22 +267,22 @@ static ehd_status put(artefact *file, const char *name, artefact_type type, size
 }
 
 ehd_status artefact_put(artefact *file, const char *field, const double *data, ehd_error *error) {
-    return put(file, field, ARTEFACT_REAL, 0, WHOLE_FIELD, data, error);
+    return put_entries(file, field, ARTEFACT_REAL, 0, WHOLE_FIELD, data, error);
 }
 
 ehd_status artefact_put_integers(artefact *file, const char *field, const int64_t *data,
                                  ehd_error *error) {
-    return put(file, field, ARTEFACT_INTEGER, 0, WHOLE_FIELD, data, error);
+    return put_entries(file, field, ARTEFACT_INTEGER, 0, WHOLE_FIELD, data, error);
 }
 
 ehd_status artefact_put_part(artefact *file, const char *field, size_t first, size_t count,
                              const double *data, ehd_error *error) {
-    return put(file, field, ARTEFACT_REAL, first, count, data, error);
+    return put_entries(file, field, ARTEFACT_REAL, first, count, data, error);
 }
 
 ehd_status artefact_put_integers_part(artefact *file, const char *field, size_t first, size_t count,
                                       const int64_t *data, ehd_error *error) {
-    return put(file, field, ARTEFACT_INTEGER, first, count, data, error);
+    return put_entries(file, field, ARTEFACT_INTEGER, first, count, data, error);
 }
 
 // ---- the growing axis
@@ -329,35 +323,31 @@ ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first
 
 // ---- attributes
 
-static ehd_status check_attribute(const artefact *file, const char *name, artefact_type type,
-                                  ehd_error *error) {
+ehd_status put_attribute(artefact *file, const char *name, artefact_type type, const void *value,
+                         ehd_error *error) {
     const artefact_field *attribute = find_attribute(file, name);
-    if (attribute && attribute->type == type && !file->streaming) return EHD_OK;
-    return ehd_fail(error, EHD_INTERNAL,
-                    "%s: found attribute %s, expected one of %s with this type%s", file->path, name,
-                    file->schema->name, file->streaming ? ", and not while streaming" : "");
+    if (!attribute || attribute->type != type || file->streaming)
+        return ehd_fail(error, EHD_INTERNAL,
+                        "%s: found attribute %s, expected one of %s with this type%s", file->path,
+                        name, file->schema->name,
+                        file->streaming ? ", and not while streaming" : "");
+    const bool written = type == ARTEFACT_TEXT
+                             ? hdf5_put_text(file->id, name, value)
+                             : hdf5_put_attribute(file->id, name, hdf5_memory_type(type), value);
+    return written ? EHD_OK : hdf5_write_failed(file, name, error);
 }
 
 ehd_status artefact_put_real(artefact *file, const char *attribute, double value,
                              ehd_error *error) {
-    ehd_status status = check_attribute(file, attribute, ARTEFACT_REAL, error);
-    if (status != EHD_OK) return status;
-    bool written = hdf5_put_attribute(file->id, attribute, H5T_NATIVE_DOUBLE, &value);
-    return written ? EHD_OK : hdf5_write_failed(file, attribute, error);
+    return put_attribute(file, attribute, ARTEFACT_REAL, &value, error);
 }
 
 ehd_status artefact_put_integer(artefact *file, const char *attribute, int64_t value,
                                 ehd_error *error) {
-    ehd_status status = check_attribute(file, attribute, ARTEFACT_INTEGER, error);
-    if (status != EHD_OK) return status;
-    bool written = hdf5_put_attribute(file->id, attribute, H5T_NATIVE_INT64, &value);
-    return written ? EHD_OK : hdf5_write_failed(file, attribute, error);
+    return put_attribute(file, attribute, ARTEFACT_INTEGER, &value, error);
 }
 
 ehd_status artefact_put_text(artefact *file, const char *attribute, const char *text,
                              ehd_error *error) {
-    ehd_status status = check_attribute(file, attribute, ARTEFACT_TEXT, error);
-    if (status != EHD_OK) return status;
-    bool written = hdf5_put_text(file->id, attribute, text);
-    return written ? EHD_OK : hdf5_write_failed(file, attribute, error);
+    return put_attribute(file, attribute, ARTEFACT_TEXT, text, error);
 }

@@ -119,7 +119,7 @@ ehd_status case_table_check(const program *caller, ehd_error *error) {
 // ---- which columns
 
 static const artefact_field *field_of(size_t index) {
-    return entry_find(schema_cases.fields, sizeof *schema_cases.fields, columns[index].field);
+    return artefact_find(schema_cases.fields, columns[index].field);
 }
 
 static double real_of(const case_row *row, size_t index) {

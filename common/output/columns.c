@@ -91,8 +91,7 @@ ehd_status axis_number(artefact *file, const char *axis, size_t first, size_t co
 
 static ehd_status put_entry(artefact *file, size_t entry, const named_number *number,
                             ehd_error *error) {
-    const artefact_field *fields = artefact_kind(file)->fields;
-    const artefact_field *field = entry_find(fields, sizeof *field, number->name);
+    const artefact_field *field = artefact_find(artefact_kind(file)->fields, number->name);
 
     if (!field || field->type == ARTEFACT_REAL)
         return artefact_put_part(file, number->name, entry, 1, &number->value, error);
@@ -102,8 +101,7 @@ static ehd_status put_entry(artefact *file, size_t entry, const named_number *nu
 
 static ehd_status put_number(artefact *file, size_t entry, const named_number *number,
                              ehd_error *error) {
-    const artefact_field *all = artefact_kind(file)->attributes;
-    const artefact_field *attribute = entry_find(all, sizeof *all, number->name);
+    const artefact_field *attribute = artefact_find(artefact_kind(file)->attributes, number->name);
 
     if (!attribute) return put_entry(file, entry, number, error);
     return attribute->type == ARTEFACT_INTEGER

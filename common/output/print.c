@@ -66,7 +66,7 @@ static const artefact_axis *find_axis(const artefact *file, const char *name) {
 }
 
 static const artefact_field *find_field(const artefact *file, const char *name) {
-    const artefact_field *field = entry_find(artefact_kind(file)->fields, sizeof *field, name);
+    const artefact_field *field = artefact_find(artefact_kind(file)->fields, name);
 
     return field && artefact_has(file, name) ? field : NULL;
 }
@@ -440,8 +440,7 @@ static void describe(description *self, const char *name, size_t rank, const cha
 
 static void describe_attribute(const char *name, void *data) {
     description *self = data;
-    const artefact_field *known =
-        entry_find(artefact_kind(self->file)->attributes, sizeof *known, name);
+    const artefact_field *known = artefact_find(artefact_kind(self->file)->attributes, name);
 
     describe(self, name, 0, NULL, known ? known->long_name : "");
 }

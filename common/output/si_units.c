@@ -6,21 +6,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const artefact_field *find_field(const artefact *file, const char *name) {
-    const artefact_field *fields = artefact_kind(file)->fields;
-
-    return entry_find(fields, sizeof *fields, name);
-}
-
 /* Finds the units of a name in the schema. Returns the scale to SI units, or NULL. */
 static const artefact_scale *look_up(const char **units, const artefact *file, const char *name) {
     const artefact_schema *kind = artefact_kind(file);
-    const artefact_field *field = find_field(file, name);
     const artefact_axis *axis = entry_find(kind->axes, sizeof *axis, name);
-    const artefact_field *attribute = entry_find(kind->attributes, sizeof *attribute, name);
+    const artefact_field *found = artefact_find(kind->fields, name);
 
-    *units = field ? field->units : axis ? axis->units : attribute ? attribute->units : "";
-    return field ? field->scale : axis ? axis->scale : attribute ? attribute->scale : NULL;
+    if (!found) found = artefact_find(kind->attributes, name);
+    *units = found ? found->units : axis ? axis->units : "";
+    return found ? found->scale : axis ? axis->scale : NULL;
 }
 
 const char *si_units_plain(const artefact *file, const char *name) {
@@ -42,7 +36,7 @@ ehd_status si_units_check(const artefact *file, ehd_error *error) {
 
 static ehd_status read_frame(si_units *self, artefact *file, const char *name, const char *frame,
                              ehd_error *error) {
-    const artefact_field *field = find_field(file, frame);
+    const artefact_field *field = artefact_find(artefact_kind(file)->fields, frame);
 
     if (!artefact_has(file, frame))
         return ehd_fail(
