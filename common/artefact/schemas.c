@@ -9,31 +9,33 @@
     { name, "1", long_name, max, optional, scale }
 
 // the last argument is ON("axis", …) for a dataset, ROOT for an attribute
-#define FIELD(name, type, units, need, values, long_name, scale, ...)                              \
+#define FIELD(name, type, units, need, values, long_name, by_entry, scale, ...)                    \
     {                                                                                              \
-        name, ARTEFACT_##type, __VA_ARGS__, units, long_name, NEED_##need, VALUES_##values, false, \
-            scale                                                                                  \
+        name, ARTEFACT_##type, __VA_ARGS__, units, long_name, NEED_##need, VALUES_##values,        \
+            by_entry, scale                                                                        \
     }
 #define ON(...)                                                                                    \
     { __VA_ARGS__ }
 #define ROOT                                                                                       \
     { NULL }
-#define TEXT(name, need, long_name) FIELD(name, TEXT, "1", need, ANY, long_name, NULL, ROOT)
+#define TEXT(name, need, long_name) FIELD(name, TEXT, "1", need, ANY, long_name, false, NULL, ROOT)
 #define INTEGER(name, axes, need, values, long_name)                                               \
-    FIELD(name, INTEGER, "1", need, values, long_name, NULL, axes)
+    FIELD(name, INTEGER, "1", need, values, long_name, false, NULL, axes)
 #define REAL(name, axes, need, values, long_name)                                                  \
-    FIELD(name, REAL, "1", need, values, long_name, NULL, axes)
+    FIELD(name, REAL, "1", need, values, long_name, false, NULL, axes)
 #define QUANTITY(name, axes, units, need, values, long_name)                                       \
-    FIELD(name, REAL, units, need, values, long_name, NULL, axes)
-// a dimensionless real number with a scale for SI units
+    FIELD(name, REAL, units, need, values, long_name, false, NULL, axes)
+// a dimensionless real number with a scale for SI units; NULL: no scale
 #define SCALED(name, axes, scale, need, values, long_name)                                         \
-    FIELD(name, REAL, "1", need, values, long_name, &(scale), axes)
+    FIELD(name, REAL, "1", need, values, long_name, false, scale, axes)
 // a field of a result with one entry per point in time, which is read entry by entry
 #define ENTRIES(name, scale, long_name)                                                            \
-    {                                                                                              \
-        name, ARTEFACT_REAL, {"time", "y", "x"}, "1", long_name, NEED_OPTIONAL, VALUES_ANY, true,  \
-            &(scale)                                                                               \
-    }
+    FIELD(name, REAL, "1", OPTIONAL, ANY, long_name, true, scale, ON("time", "y", "x"))
+// a quantity per length of a line contact, and of a point contact
+#define LINE_AND_POINT(name, axes, line_units, point_units, values, long_name)                     \
+    QUANTITY("line_" name, axes, line_units, OPTIONAL, values, long_name),                         \
+        QUANTITY("point_" name, axes, point_units, OPTIONAL, values,                               \
+                 "the same of a point contact")
 
 #define SCHEMA(kind, major, minor, title)                                                          \
     const artefact_schema schema_##kind = {                                                        \
@@ -79,9 +81,8 @@ enum {
 // `scale` converts the lengths of the grid to SI units; NULL: no scale
 #define GRID_ATTRIBUTES(scale)                                                                     \
     TEXT("contact", ALWAYS, "kind of contact: line, point or ellipse"),                            \
-        FIELD("x_min", REAL, "1", ALWAYS, FINITE, "first node of x", scale, ROOT),                 \
-        FIELD("step", REAL, "1", ALWAYS, POSITIVE, "distance between the nodes of x", scale,       \
-              ROOT),                                                                               \
+        SCALED("x_min", ROOT, scale, ALWAYS, FINITE, "first node of x"),                           \
+        SCALED("step", ROOT, scale, ALWAYS, POSITIVE, "distance between the nodes of x"),          \
         TEXT("discretization", OPTIONAL,                                                           \
              "of the equations on the grid: accurate, cross-flux or published; published where "   \
              "missing"),                                                                           \
@@ -109,20 +110,17 @@ enum {
 #define BASIS_ATTRIBUTE TEXT("basis_sha256", OWN, "identity of the basis file")
 
 // estimates of the errors that the grid causes in a state
+#define EFFECT(name, long_name) REAL(name, ON("state"), OPTIONAL, ANY, long_name)
 #define EFFECT_FIELDS(prefix)                                                                      \
-    REAL(prefix "step_effect", ON("state"), OPTIONAL, ANY,                                         \
-         "error estimate of the central film by the step, relative; this and the next five are "   \
-         "not negative, infinite where the grid is too coarse to tell, NaN where not known"),      \
-        REAL(prefix "inlet_effect", ON("state"), OPTIONAL, ANY,                                    \
-             "error estimate of the central film by the length of the inlet or domain"),           \
-        REAL(prefix "step_effect_minimum", ON("state"), OPTIONAL, ANY,                             \
-             "the first of the minimum film"),                                                     \
-        REAL(prefix "inlet_effect_minimum", ON("state"), OPTIONAL, ANY,                            \
-             "the second of the minimum film"),                                                    \
-        REAL(prefix "step_effect_rolling", ON("state"), OPTIONAL, ANY,                             \
-             "the first of the rolling resistance"),                                               \
-        REAL(prefix "inlet_effect_rolling", ON("state"), OPTIONAL, ANY,                            \
-             "the second of the rolling resistance")
+    EFFECT(prefix "step_effect",                                                                   \
+           "error estimate of the central film by the step, relative; this and the next five are " \
+           "not negative, infinite where the grid is too coarse to tell, NaN where not known"),    \
+        EFFECT(prefix "inlet_effect",                                                              \
+               "error estimate of the central film by the length of the inlet or domain"),         \
+        EFFECT(prefix "step_effect_minimum", "the first of the minimum film"),                     \
+        EFFECT(prefix "inlet_effect_minimum", "the second of the minimum film"),                   \
+        EFFECT(prefix "step_effect_rolling", "the first of the rolling resistance"),               \
+        EFFECT(prefix "inlet_effect_rolling", "the second of the rolling resistance")
 
 // fields that describe a lubricant
 #define RISE_FIELDS(prefix, axis)                                                                  \
@@ -205,53 +203,53 @@ static const artefact_axis result_axes[] = {
     {0}};
 
 static const artefact_field result_fields[] = {
-    ENTRIES("pressure", pressure_in_frame, "pressure P, in Hertz pressures of the current frame"),
-    ENTRIES("film_thickness", film_in_frame, "film thickness H in the current frame"),
-    ENTRIES("shear_stress_1", pressure_in_frame,
+    ENTRIES("pressure", &pressure_in_frame, "pressure P, in Hertz pressures of the current frame"),
+    ENTRIES("film_thickness", &film_in_frame, "film thickness H in the current frame"),
+    ENTRIES("shear_stress_1", &pressure_in_frame,
             "what the fluid does to surface 1 along X, in Hertz pressures of the current frame; "
             "where the scene gives a slide-roll ratio, 0 where there is no pressure"),
-    ENTRIES("shear_stress_2", pressure_in_frame, "the same of surface 2"),
-    SCALED("central_film_thickness", ON("time"), film_scale, ALWAYS, ANY,
+    ENTRIES("shear_stress_2", &pressure_in_frame, "the same of surface 2"),
+    SCALED("central_film_thickness", ON("time"), &film_scale, ALWAYS, ANY,
            "film thickness H at X = 0 (Y = 0) in the reference frame; while the bodies are apart, "
            "their gap, or NaN if the load is given"),
-    SCALED("minimum_film_thickness", ON("time"), film_scale, ALWAYS, ANY,
+    SCALED("minimum_film_thickness", ON("time"), &film_scale, ALWAYS, ANY,
            "smallest film thickness H in the reference frame: interpolated, with discretization = "
            "published at a node"),
-    SCALED("central_pressure", ON("time"), pressure_scale, OWN, ANY,
+    SCALED("central_pressure", ON("time"), &pressure_scale, OWN, ANY,
            "pressure P at X = 0 (Y = 0) in the reference frame"),
-    SCALED("rigid_approach", ON("time"), film_scale, ALWAYS, ANY,
+    SCALED("rigid_approach", ON("time"), &film_scale, ALWAYS, ANY,
            "rigid approach H0 in the reference frame"),
-    SCALED("load", ON("time"), load_scale, OWN, ANY,
+    SCALED("load", ON("time"), &load_scale, OWN, ANY,
            "load relative to the reference load; 0 while the bodies are apart"),
-    SCALED("contact_half_width", ON("time"), length_scale, OWN, ANY,
+    SCALED("contact_half_width", ON("time"), &length_scale, OWN, ANY,
            "half width that scales the frame, relative to the reference; where the approach is "
            "given, of the expected load"),
-    SCALED("frame_hertz_pressure", ON("time"), pressure_scale, OPTIONAL, ANY,
+    SCALED("frame_hertz_pressure", ON("time"), &pressure_scale, OPTIONAL, ANY,
            "Hertz pressure that scales the frame, relative to the reference"),
-    SCALED("frame_film_unit", ON("time"), film_scale, OPTIONAL, ANY,
+    SCALED("frame_film_unit", ON("time"), &film_scale, OPTIONAL, ANY,
            "a^2/R that scales the frame, relative to the reference"),
-    SCALED("surface_position", ON("time"), length_scale, OPTIONAL, ANY,
+    SCALED("surface_position", ON("time"), &length_scale, OPTIONAL, ANY,
            "X in the reference frame of what the scene's surface has: the end of a waviness, the "
            "middle of a dent, x = 0 of a table"),
-    SCALED("exit_position", ON("time", "y", "exit"), length_scale, OWN, ANY,
+    SCALED("exit_position", ON("time", "y", "exit"), &length_scale, OWN, ANY,
            "X at which the pressure ends, where the entrainment reverses of each of its intervals; "
            "NaN where there is none"),
     REAL("friction_coefficient", ON("time"), OPTIONAL, ANY,
          "friction over the load, positive where surface 1 is the faster one; this and the next "
          "six where the scene gives a slide-roll ratio"),
-    SCALED("friction_force", ON("time"), load_scale, OPTIONAL, ANY,
+    SCALED("friction_force", ON("time"), &load_scale, OPTIONAL, ANY,
            "integral of the shear stress in the middle of the film, over the reference load: on "
            "surface 2 along X, on surface 1 against it"),
-    SCALED("rolling_resistance", ON("time"), load_scale, OPTIONAL, ANY,
+    SCALED("rolling_resistance", ON("time"), &load_scale, OPTIONAL, ANY,
            "integral of h/2 dp/dx, over the reference load: on either surface against X"),
-    SCALED("rolling_moment", ON("time"), moment_scale, OPTIONAL, ANY,
+    SCALED("rolling_moment", ON("time"), &moment_scale, OPTIONAL, ANY,
            "moment of the pressure against the rolling, over reference load and half width"),
-    SCALED("power_loss", ON("time"), power_scale, OPTIONAL, ANY,
+    SCALED("power_loss", ON("time"), &power_scale, OPTIONAL, ANY,
            "power that both surfaces put into the film, over reference load and mean speed"),
-    SCALED("mean_shear_stress", ON("time"), pressure_scale, OPTIONAL, ANY,
+    SCALED("mean_shear_stress", ON("time"), &pressure_scale, OPTIONAL, ANY,
            "mean of the magnitude of the shear stress in the middle of the film over the dry "
            "contact, in reference Hertz pressures"),
-    SCALED("largest_shear_stress", ON("time"), pressure_scale, OPTIONAL, ANY,
+    SCALED("largest_shear_stress", ON("time"), &pressure_scale, OPTIONAL, ANY,
            "largest magnitude of that stress"),
     INTEGER("newton_iterations", ON("time"), OWN, ANY, "Newton iterations that the entry took"),
     REAL("residual_norm", ON("time"), OWN, ANY, "norm of the residual when the iteration ended"),
@@ -262,13 +260,13 @@ static const artefact_field result_fields[] = {
          "the same of the minimum film thickness"),
     REAL("indicated_deviation_central_pressure", ON("time"), OPTIONAL, ANY,
          "the same of the central pressure; stationary"),
-    SCALED("indicated_deviation_exit_position", ON("time"), length_scale, OPTIONAL, ANY,
+    SCALED("indicated_deviation_exit_position", ON("time"), &length_scale, OPTIONAL, ANY,
            "indicated deviation of the exit position, in half widths; stationary lines whose exit "
            "lies within a node"),
     REAL("indicated_deviation_load", ON("time"), OPTIONAL, ANY,
          "indicated deviation of the load, over the reference; stationary"),
     SCALED(
-        "indicated_deviation_pressure", ON("time"), pressure_scale, OPTIONAL, ANY,
+        "indicated_deviation_pressure", ON("time"), &pressure_scale, OPTIONAL, ANY,
         "indicated largest deviation of the pressure at any node, in Hertz pressures; stationary"),
     REAL("indicated_deviation_film", ON("time"), OPTIONAL, ANY,
          "indicated largest deviation of the film thickness at any node with pressure, over the "
@@ -279,7 +277,7 @@ static const artefact_field result_fields[] = {
     INTEGER("by_full_model", ON("time"), OPTIONAL, FLAG,
             "1 solved by the full model, since the reduced one was not good enough, 0 by the "
             "reduced one; only with romrun --fallback full"),
-    SCALED("time_step", ON("time"), time_scale, OPTIONAL, ANY,
+    SCALED("time_step", ON("time"), &time_scale, OPTIONAL, ANY,
            "step in T that led to the entry, 0 at the start; only when transient"),
     REAL("time_effect", ON("time"), OPTIONAL, ANY,
          "estimated relative change of the central film by ever smaller steps in time; NaN where "
@@ -307,16 +305,13 @@ static const artefact_field result_attributes[] = {
              "a^2/R of the reference, which H = 1 and an approach of 1 stand for"),
     QUANTITY("time_unit", ROOT, "s", OPTIONAL, POSITIVE,
              "a/u of the reference, u the mean of both surfaces' speeds, which T = 1 stands for"),
-    QUANTITY("line_load", ROOT, "N m-1", OPTIONAL, POSITIVE,
-             "load of the reference, which a load of 1 stands for; of a line contact"),
-    QUANTITY("point_load", ROOT, "N", OPTIONAL, POSITIVE, "the same of a point contact"),
-    QUANTITY("line_moment", ROOT, "N", OPTIONAL, POSITIVE,
-             "load times half width, which a rolling moment of 1 stands for; of a line contact, "
-             "this and the next three where the scene gives a slide-roll ratio"),
-    QUANTITY("point_moment", ROOT, "N m", OPTIONAL, POSITIVE, "the same of a point contact"),
-    QUANTITY("line_power", ROOT, "W m-1", OPTIONAL, POSITIVE,
-             "load times mean speed, which a power loss of 1 stands for; of a line contact"),
-    QUANTITY("point_power", ROOT, "W", OPTIONAL, POSITIVE, "the same of a point contact"),
+    LINE_AND_POINT("load", ROOT, "N m-1", "N", POSITIVE,
+                   "load of the reference, which a load of 1 stands for; of a line contact"),
+    LINE_AND_POINT("moment", ROOT, "N", "N m", POSITIVE,
+                   "load times half width, which a rolling moment of 1 stands for; of a line "
+                   "contact, this and the next three where the scene gives a slide-roll ratio"),
+    LINE_AND_POINT("power", ROOT, "W m-1", "W", POSITIVE,
+                   "load times mean speed, which a power loss of 1 stands for; of a line contact"),
     REAL("slide_roll", ROOT, OPTIONAL, ANY,
          "slide-roll ratio (u1 - u2)/u_m, where the scene gives one"),
     REAL("thinning", ROOT, OPTIONAL, NOT_NEGATIVE,
@@ -832,17 +827,17 @@ static const artefact_field cases_fields[] = {
     REAL("inlet_heating_factor", ON("case"), OPTIONAL, ANY,
          "factor by which shear heating of the inlet thins the films, which are isothermal here; "
          "NaN where its formula does not hold"),
-    SCALED("central_film_thickness", ON("case"), film_of_case, OWN, ANY,
+    SCALED("central_film_thickness", ON("case"), &film_of_case, OWN, ANY,
            "film thickness H at X = 0 (Y = 0); this and all that follow up to the indicated "
            "deviations NaN where the scene did not converge"),
-    SCALED("minimum_film_thickness", ON("case"), film_of_case, OWN, ANY,
+    SCALED("minimum_film_thickness", ON("case"), &film_of_case, OWN, ANY,
            "smallest film thickness H"),
-    SCALED("central_pressure", ON("case"), pressure_of_case, OWN, ANY,
+    SCALED("central_pressure", ON("case"), &pressure_of_case, OWN, ANY,
            "pressure P at X = 0 (Y = 0)"),
-    SCALED("peak_pressure", ON("case"), pressure_of_case, OWN, ANY,
+    SCALED("peak_pressure", ON("case"), &pressure_of_case, OWN, ANY,
            "largest pressure P at the nodes that the solution looks at"),
-    SCALED("rigid_approach", ON("case"), film_of_case, OWN, ANY, "rigid approach H0"),
-    SCALED("exit_position", ON("case"), length_of_case, OWN, ANY,
+    SCALED("rigid_approach", ON("case"), &film_of_case, OWN, ANY, "rigid approach H0"),
+    SCALED("exit_position", ON("case"), &length_of_case, OWN, ANY,
            "X at which the pressure ends, at Y = 0"),
     REAL("indicated_deviation", ON("case"), OWN, ANY,
          "indicated relative deviation of the central film thickness from the full model; NaN "
@@ -853,20 +848,14 @@ static const artefact_field cases_fields[] = {
          "friction over the load, positive where surface 1 is the faster one; this and the next "
          "eleven NaN where a scene does not slide or did not converge, and not there where none "
          "does"),
-    QUANTITY("line_friction_force", ON("case"), "N m-1", OPTIONAL, ANY,
-             "friction of a line contact: on surface 2 along X, on surface 1 against it"),
-    QUANTITY("point_friction_force", ON("case"), "N", OPTIONAL, ANY, "the same of a point contact"),
-    QUANTITY("line_power_loss", ON("case"), "W m-1", OPTIONAL, ANY,
-             "power that both surfaces put into the film of a line contact"),
-    QUANTITY("point_power_loss", ON("case"), "W", OPTIONAL, ANY, "the same of a point contact"),
-    QUANTITY("line_rolling_resistance", ON("case"), "N m-1", OPTIONAL, ANY,
-             "rolling resistance of a line contact, on either surface against X"),
-    QUANTITY("point_rolling_resistance", ON("case"), "N", OPTIONAL, ANY,
-             "the same of a point contact"),
-    QUANTITY("line_rolling_moment", ON("case"), "N", OPTIONAL, ANY,
-             "moment of the pressures of a line contact against the rolling"),
-    QUANTITY("point_rolling_moment", ON("case"), "N m", OPTIONAL, ANY,
-             "the same of a point contact"),
+    LINE_AND_POINT("friction_force", ON("case"), "N m-1", "N", ANY,
+                   "friction of a line contact: on surface 2 along X, on surface 1 against it"),
+    LINE_AND_POINT("power_loss", ON("case"), "W m-1", "W", ANY,
+                   "power that both surfaces put into the film of a line contact"),
+    LINE_AND_POINT("rolling_resistance", ON("case"), "N m-1", "N", ANY,
+                   "rolling resistance of a line contact, on either surface against X"),
+    LINE_AND_POINT("rolling_moment", ON("case"), "N", "N m", ANY,
+                   "moment of the pressures of a line contact against the rolling"),
     QUANTITY("mean_shear_stress", ON("case"), "Pa", OPTIONAL, ANY,
              "magnitude of the shear stress of the sliding, mean over the dry contact"),
     QUANTITY("largest_shear_stress", ON("case"), "Pa", OPTIONAL, ANY,
