@@ -107,20 +107,12 @@ const artefact_field *find_attribute(const artefact *file, const char *name) {
     return artefact_find(file->schema->attributes, name);
 }
 
-bool axis_is_optional(const artefact_schema *schema, const char *name) {
-    const artefact_axis *axis = schema->axes;
-    while (axis->name && strcmp(axis->name, name) != 0)
-        axis++;
-    return axis->name && axis->optional;
-}
-
 size_t artefact_axes(const char *axes[ARTEFACT_MAX_RANK], const artefact *file,
                      const artefact_field *field) {
     size_t rank = 0;
     for (size_t i = 0; i < ARTEFACT_MAX_RANK && field->axes[i]; i++) {
-        bool absent = axis_is_optional(file->schema, field->axes[i]) &&
-                      artefact_length(file, field->axes[i]) == 0;
-        if (!absent) axes[rank++] = field->axes[i];
+        const file_dataset *of = find_dataset(file, field->axes[i]);
+        if (of->length > 0 || !of->axis->optional) axes[rank++] = field->axes[i];
     }
     return rank;
 }

@@ -81,10 +81,6 @@ void digest_add(content_digest *self, size_t first, size_t count, const void *nu
     }
 }
 
-void digest_end(content_digest *self, char text[65]) {
-    sha256_end(&self->context, text);
-}
-
 // ---- attributes
 
 static void hash_attribute(struct sha256_ctx *context, const artefact *file, const char *name,
@@ -150,7 +146,7 @@ ehd_status check_content(const artefact *file, const artefact_field *field, cons
     if (!file->digests) return EHD_OK;
     digest_begin(&hash, file, field);
     digest_add(&hash, 0, num_entries(file, field), numbers);
-    digest_end(&hash, digest);
+    sha256_end(&hash.context, digest);
     return check_digest(file, field->name, digest, error);
 }
 

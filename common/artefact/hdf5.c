@@ -423,28 +423,23 @@ char *hdf5_get_string(hid_t object, const char *name) {
 }
 
 char *hdf5_get_text(hid_t root, const char *name) {
-    char *text = hdf5_get_string(root, name);
+    char *piece = hdf5_get_string(root, name), *text = NULL;
     char label[128];
-    char *piece = NULL;
-    size_t length = text ? strlen(text) : 0;
-    for (int number = 2; text; number++) {
-        piece_name(label, name, number);
-        piece = hdf5_get_string(root, label);
-        if (!piece) break; // hdf5_blame reports a piece that exists but was not read
-        size_t more = strlen(piece);
-        char *longer = realloc(text, length + more + 1);
-        if (!longer) {
-            hdf5_note_failure();
-            free(text);
-            text = NULL;
-        } else {
-            text = longer;
-            memcpy(text + length, piece, more + 1);
-            length += more;
-        }
+    size_t size = 0;
+    if (!piece) return NULL;
+
+    FILE *all = open_memstream(&text, &size);
+    for (int number = 2; all && piece; number++) {
+        fputs(piece, all);
         free(piece);
+        piece_name(label, name, number);
+        piece = hdf5_get_string(root, label); // hdf5_blame reports a piece that was not read
     }
-    return text;
+    if (all && fclose(all) == 0) return text;
+    free(all ? text : piece);
+    errno = ENOMEM; // nothing else can fail
+    hdf5_note_failure();
+    return NULL;
 }
 
 hid_t hdf5_memory_type(artefact_type type) {

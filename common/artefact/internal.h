@@ -158,8 +158,6 @@ ehd_status learn_outcomes(artefact *file, ehd_error *error);
  * entry. */
 size_t num_entries(const artefact *file, const artefact_field *field);
 size_t entry_size(const artefact *file, const artefact_field *field);
-ehd_status check_axis_length(const artefact *file, const char *object, const char *axis,
-                             size_t length, ehd_error *error);
 /* Checks that the file is large enough to hold all numbers that a reader may read at once, even if
  * they are compressed as far as gzip can; else EHD_DATA. */
 ehd_status check_unpacking(const artefact *file, ehd_error *error);
@@ -177,10 +175,9 @@ typedef struct content_digest {
     size_t entry; // number of values in an entry
     bool by_entry;
 } content_digest;
-/* Compute the SHA-256 of a dataset. Entries must be added in their order. */
+/* Begin the SHA-256 of a dataset and add entries, in their order. sha256_end ends it. */
 void digest_begin(content_digest *self, const artefact *file, const artefact_field *field);
 void digest_add(content_digest *self, size_t first, size_t count, const void *numbers);
-void digest_end(content_digest *self, char text[65]);
 /* Compare a digest, or the digest of all numbers of a field, with the stored digest. EHD_DATA: they
  * differ. */
 ehd_status check_digest(const artefact *file, const char *name, const char *digest,
@@ -276,7 +273,6 @@ file_dataset *find_dataset(const artefact *file, const char *name); // NULL: not
 const artefact_field *find_field(const artefact *file, const char *name);
 const artefact_field *find_attribute(const artefact *file, const char *name);
 const char *shown_name(const artefact *file); // name on disk, for messages
-bool axis_is_optional(const artefact_schema *schema, const char *name);
 bool field_grows(const artefact *file, const artefact_field *field);
 
 bool field_exists(const artefact *file, const artefact_field *field); // also of an attribute

@@ -9,16 +9,9 @@
 /* Returns the kind of a link as text. Returns NULL for a hard link, which leads to an object of
  * this file. */
 static const char *other_link(H5L_type_t type) {
-    switch (type) {
-    case H5L_TYPE_HARD:
-        return NULL;
-    case H5L_TYPE_SOFT:
-        return "a soft link";
-    case H5L_TYPE_EXTERNAL:
-        return "an external link";
-    default:
-        return "a link of another kind";
-    }
+    if (type == H5L_TYPE_SOFT) return "a soft link";
+    if (type == H5L_TYPE_EXTERNAL) return "an external link";
+    return type == H5L_TYPE_HARD ? NULL : "a link of another kind";
 }
 
 /* Returns, as text, the kind of the first link that is not hard in a path such as "group/dataset".

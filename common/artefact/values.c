@@ -199,15 +199,6 @@ ehd_status learn_outcomes(artefact *file, ehd_error *error) {
 
 // ---- sizes
 
-ehd_status check_axis_length(const artefact *file, const char *object, const char *axis,
-                             size_t length, ehd_error *error) {
-    const file_dataset *found = find_dataset(file, axis);
-
-    if (length <= found->axis->max) return EHD_OK;
-    return ehd_fail(error, EHD_DATA, "%s: %s: found length %zu along %s, expected at most %zu",
-                    shown_name(file), object, length, axis, found->axis->max);
-}
-
 size_t num_entries(const artefact *file, const artefact_field *field) {
     const char *axes[ARTEFACT_MAX_RANK] = {""};
 
@@ -250,13 +241,9 @@ static const double MAX_UNPACKING = 1032;
 /* Returns how many numbers of a field a reader may read at once. The result is a double, because
  * the product may overflow an integer. */
 static double count_numbers(const artefact *file, const artefact_field *field) {
-    const char *axes[ARTEFACT_MAX_RANK];
-    const size_t rank = artefact_axes(axes, file, field);
-    double count = 1;
+    const double entries = field->by_entry ? 1 : (double)num_entries(file, field);
 
-    for (size_t i = field->by_entry ? 1 : 0; i < rank; i++)
-        count *= (double)artefact_length(file, axes[i]);
-    return count;
+    return entries * (double)entry_size(file, field);
 }
 
 /* Checks the size of a chunk, because HDF5 unpacks the whole chunk to read a part of it. */
@@ -269,28 +256,21 @@ static ehd_status check_chunk(const artefact *file, const file_dataset *of, doub
                     shown_name(file), of->field.name, of->own.chunk, most);
 }
 
-/* Adds up the numbers that a reader may read at once, and checks the chunk sizes. */
-static ehd_status add_numbers(double *numbers, const artefact *file, ehd_error *error) {
-    ehd_status status = EHD_OK;
-
-    for (const file_dataset *of = file->datasets; of->field.name && !status; of++) {
-        if (!of->there) continue;
-        const double count = count_numbers(file, &of->field);
-        *numbers += count;
-        status = check_chunk(file, of, count, error);
-    }
-    return status;
-}
-
 ehd_status check_unpacking(const artefact *file, ehd_error *error) {
     const double nodes =
         fmax((double)artefact_length(file, "x"), 1) * fmax((double)artefact_length(file, "y"), 1);
     double numbers = 0;
+    ehd_status status = EHD_OK;
 
     if (nodes > ARTEFACT_MAX_NODES)
         return ehd_fail(error, EHD_DATA, "%s: x: found %.0f nodes, expected at most %d",
                         shown_name(file), nodes, ARTEFACT_MAX_NODES);
-    const ehd_status status = add_numbers(&numbers, file, error);
+    for (const file_dataset *of = file->datasets; of->field.name && !status; of++) {
+        if (!of->there) continue;
+        const double count = count_numbers(file, &of->field);
+        numbers += count;
+        status = check_chunk(file, of, count, error);
+    }
     return status ? status : check_stored(shown_name(file), numbers, error);
 }
 

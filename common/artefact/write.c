@@ -132,17 +132,14 @@ static bool create_scale(hid_t *dataset, hid_t root, const artefact_axis *axis, 
 static bool write_scale(hid_t root, const artefact_axis *axis, size_t length,
                         const double *values) {
     hid_t dataset = -1;
-    bool written = create_scale(&dataset, root, axis, !values, length, LAYOUT_PLAIN);
-    if (written && values) {
-        written = H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;
-    } else if (written) {
-        int64_t *index = malloc(length * sizeof *index);
-        for (size_t i = 0; index && i < length; i++)
-            index[i] = (int64_t)i;
-        written =
-            index && H5Dwrite(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, index) >= 0;
-        free(index);
-    }
+    double *index = values ? NULL : array_new(length, 1, sizeof *index);
+    for (size_t i = 0; index && i < length; i++)
+        index[i] = (double)i;
+    const bool written = (values || index) &&
+                         create_scale(&dataset, root, axis, !values, length, LAYOUT_PLAIN) &&
+                         H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                                  values ? values : index) >= 0;
+    free(index);
     hdf5_release(dataset);
     return written;
 }

@@ -3,6 +3,8 @@
 
 #include "common/artefact/internal.h"
 
+#include <string.h>
+
 static const char *need_text(artefact_need need) {
     static const char *const texts[] = {"everybody", "our programs", "where it applies"};
     return texts[need];
@@ -31,6 +33,13 @@ static void print_axes(const artefact_axis *axis, FILE *stream) {
                 axis->long_name);
         print_scale(axis->scale, stream);
     }
+}
+
+static bool axis_is_optional(const artefact_schema *schema, const char *name) {
+    const artefact_axis *axis = schema->axes;
+    while (axis->name && strcmp(axis->name, name) != 0)
+        axis++;
+    return axis->name && axis->optional;
 }
 
 /* Prints the axes of a field, optional axes in brackets. */
