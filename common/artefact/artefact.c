@@ -14,11 +14,9 @@ artefact *artefact_new(const char *path) {
     file->id = -1;
     file->lock = file->copy_lock = -1;
     file->path = strdup(path);
-    if (!file->path) {
-        free(file);
-        return NULL;
-    }
-    return file;
+    if (file->path) return file;
+    free(file);
+    return NULL;
 }
 
 void artefact_delete(artefact *file) {

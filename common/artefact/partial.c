@@ -37,10 +37,9 @@ static ehd_status open_locked(int *descriptor, const char *name, int flags, ehd_
                         name);
     struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
     const bool locked = fcntl(*descriptor, F_OFD_SETLK, &whole) == 0;
-    if ((!locked && (errno == EAGAIN || errno == EACCES)) || !has_name(*descriptor, name)) {
+    if ((!locked && (errno == EAGAIN || errno == EACCES)) || !has_name(*descriptor, name))
         return ehd_fail(error, EHD_CANTCREATE,
                         "%s: found another process writing it, expected none", name);
-    }
     return EHD_OK;
 }
 
@@ -278,10 +277,9 @@ ehd_status give_final_name(artefact *file, ehd_error *error) {
     ehd_status status = sync_file(file, error);
     if (status == EHD_OK) status = output_file_check(file->path, file->force, error);
     if (status != EHD_OK) return status;
-    if (rename(written_name(file), file->path) != 0) {
+    if (rename(written_name(file), file->path) != 0)
         return ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected %s to get this name",
                         file->path, strerror(errno), written_name(file));
-    }
     sync_folder(file);
     if (file->on_copy) unlink(file->partial);
     unlink(file->saved);

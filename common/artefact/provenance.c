@@ -18,27 +18,22 @@ void sha256_end(struct sha256_ctx *context, char text[SHA256_TEXT]) {
 ehd_status artefact_file_identity(char identity[65], const char *path, ehd_error *error) {
     identity[0] = '\0';
     FILE *stream = program_open(path);
-    if (!stream && errno == ENOMEM) {
-        return ehd_no_memory(error, path);
-    }
-    if (!stream) {
+    if (!stream && errno == ENOMEM) return ehd_no_memory(error, path);
+    if (!stream)
         return ehd_fail(error, EHD_NOINPUT, "%s: found %s, expected a readable file", path,
                         strerror(errno));
-    }
     struct sha256_ctx context;
     sha256_init(&context);
     static uint8_t block[65536];
     size_t length;
-    while ((length = fread(block, 1, sizeof block, stream)) > 0) {
+    while ((length = fread(block, 1, sizeof block, stream)) > 0)
         sha256_update(&context, length, block);
-    }
     ehd_status status = EHD_OK;
-    if (ferror(stream)) {
+    if (ferror(stream))
         status = ehd_fail(error, EHD_IO, "%s: found %s, expected a readable file", path,
                           strerror(errno));
-    } else {
+    else
         sha256_end(&context, identity);
-    }
     fclose(stream);
     return status;
 }
@@ -59,9 +54,7 @@ char *utf8_copy(const char *text) {
 
 /* Returns a text that names this build and the HDF5 library in use; free it with free(). */
 static char *creator_text(void) {
-    unsigned major = 0;
-    unsigned minor = 0;
-    unsigned release = 0;
+    unsigned major = 0, minor = 0, release = 0;
     char *text = NULL;
     H5get_libversion(&major, &minor, &release);
     if (asprintf(&text, "%s, HDF5 %u.%u.%u", program_build(), major, minor, release) < 0)
@@ -110,11 +103,9 @@ char *history_line(const program *caller) {
         print_word(stream, caller->argv[i]);
     }
     fputc('\n', stream);
-    if (fclose(stream) != 0) {
-        free(line);
-        return NULL;
-    }
-    return line;
+    if (fclose(stream) == 0) return line;
+    free(line);
+    return NULL;
 }
 
 static bool has_line(const char *text, const char *line, size_t length) {
@@ -193,8 +184,7 @@ static bool put_inputs(hid_t root, const char *const *inputs, ehd_status *status
 }
 
 bool had_input(hid_t root, const char *path, const char identity[65]) {
-    bool same = false;
-    bool named = false;
+    bool same = false, named = false;
     char name[64];
     for (int i = 1; !named; i++) {
         snprintf(name, sizeof name, "input_%d_path", i);

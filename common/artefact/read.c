@@ -15,18 +15,15 @@
 ehd_status check_readable(const char *path, ehd_error *error) {
     struct stat found;
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); // does not wait for a FIFO
-    if (descriptor < 0) {
+    if (descriptor < 0)
         return ehd_fail(error, EHD_NOINPUT, "%s: found %s, expected a readable file", path,
                         strerror(errno));
-    }
     int outcome = fstat(descriptor, &found);
     close(descriptor);
-    if (outcome != 0 || !S_ISREG(found.st_mode)) {
+    if (outcome != 0 || !S_ISREG(found.st_mode))
         return ehd_fail(error, EHD_NOINPUT, "%s: found no regular file, expected one", path);
-    }
-    if (found.st_size == 0) {
+    if (found.st_size == 0)
         return ehd_fail(error, EHD_DATA, "%s: found an empty file, expected an HDF5 file", path);
-    }
     return EHD_OK;
 }
 
@@ -51,20 +48,17 @@ static hid_t open_beside_writer(const char *path) {
 
 static ehd_status open_failed(const char *path, ehd_error *error) {
     hdf5_reason reason = hdf5_last_reason();
-    if (reason.system) {
+    if (reason.system)
         return ehd_fail(error, EHD_IO, "%s: found a read failure (%s), expected to read it", path,
                         reason.text);
-    }
-    if (strstr(reason.text, "file signature")) {
+    if (strstr(reason.text, "file signature"))
         return ehd_fail(error, EHD_DATA, "%s: found no HDF5 file, expected one", path);
-    }
-    if (strstr(reason.text, has_writer)) {
+    if (strstr(reason.text, has_writer))
         return ehd_fail(
             error, EHD_DATA,
             "%s: found a file that is being written or whose writer was killed, expected "
             "a finished one",
             path);
-    }
     return ehd_fail(error, EHD_DATA, "%s: found a damaged file (%s), expected a whole one", path,
                     reason.text);
 }
@@ -92,9 +86,8 @@ static ehd_status wrong_schema(const artefact *file, const char *found,
 static ehd_status recognise(artefact *file, const artefact_schema *const *schemas,
                             ehd_error *error) {
     char *name = hdf5_get_string(file->id, "schema_name");
-    for (size_t i = 0; name && schemas[i]; i++) {
+    for (size_t i = 0; name && schemas[i]; i++)
         if (strcmp(schemas[i]->name, name) == 0) file->schema = schemas[i];
-    }
     const bool known = name && file->schema && strcmp(file->schema->name, name) == 0;
     const ehd_status status =
         known ? EHD_OK : wrong_schema(file, name ? name : "none", schemas, error);
@@ -104,16 +97,13 @@ static ehd_status recognise(artefact *file, const artefact_schema *const *schema
 
 static ehd_status check_version(const artefact *file, ehd_error *error) {
     char *version = hdf5_get_string(file->id, "schema_version");
-    int major = -1;
-    int minor = -1;
-    int end = -1;
+    int major = -1, minor = -1, end = -1;
     bool parsed = version && sscanf(version, "%4d.%4d%n", &major, &minor, &end) == 2 &&
                   version[end] == '\0' && major > 0 && minor >= 0;
     ehd_status status = EHD_OK;
-    if (!parsed || major > file->schema->major) {
+    if (!parsed || major > file->schema->major)
         status = ehd_fail(error, EHD_DATA, "%s: schema_version: found %s, expected at most %d.x",
                           shown_name(file), version ? version : "none", file->schema->major);
-    }
     free(version);
     return status;
 }
@@ -146,10 +136,9 @@ static ehd_status check_attribute(const artefact *file, const artefact_field *en
 static ehd_status check_attributes(const artefact *file, ehd_error *error) {
     for (const artefact_field *entry = file->schema->attributes; entry->name; entry++) {
         bool present = hdf5_has_attribute(file->id, entry->name);
-        if (!present && entry->need == NEED_ALWAYS) {
+        if (!present && entry->need == NEED_ALWAYS)
             return ehd_fail(error, EHD_DATA, "%s: found no attribute %s, expected %s",
                             shown_name(file), entry->name, type_name(entry->type));
-        }
         const ehd_status status = present ? check_attribute(file, entry, error) : EHD_OK;
         if (status != EHD_OK) return status;
     }
@@ -180,14 +169,12 @@ static ehd_status check_length(artefact *file, const char *object, const char *a
         if (strcmp(object, axis) == 0) *length = found;
         return EHD_OK;
     }
-    if (found == 0) {
+    if (found == 0)
         return ehd_fail(error, EHD_DATA, "%s: %s: found length 0 along %s, expected at least 1",
                         shown_name(file), object, axis);
-    }
-    if (*length > 0 && *length != found) {
+    if (*length > 0 && *length != found)
         return ehd_fail(error, EHD_DATA, "%s: %s: found length %zu along %s, expected %zu",
                         shown_name(file), object, found, axis, *length);
-    }
     *length = found;
     return EHD_OK;
 }
@@ -195,10 +182,9 @@ static ehd_status check_length(artefact *file, const char *object, const char *a
 static ehd_status check_shape(artefact *file, const file_dataset *of, const char *const *axes,
                               size_t rank, ehd_error *error) {
     const char *name = of->field.name;
-    if (of->rank != (int)rank) {
+    if (of->rank != (int)rank)
         return ehd_fail(error, EHD_DATA, "%s: %s: found %d axes, expected %zu", shown_name(file),
                         name, of->rank, rank);
-    }
     ehd_status status = EHD_OK;
     for (size_t i = 0; i < rank && status == EHD_OK; i++) {
         status = check_length(file, name, axes[i], (size_t)of->dims[i], error);
@@ -261,9 +247,7 @@ static ehd_status check_scale(const artefact *file, const char *axis, ehd_error 
     size_t num_uses = 0;
     scale_use *uses = read_scale_uses(scale, &num_uses);
     ehd_status status = EHD_OK;
-    if (!uses && num_uses > 0) {
-        status = ehd_no_memory(error, shown_name(file));
-    }
+    if (!uses && num_uses > 0) status = ehd_no_memory(error, shown_name(file));
     for (size_t i = 0; uses && i < num_uses && status == EHD_OK; i++) {
         const artefact_field *field = find_misfit(file, &uses[i], axis);
         if (!field) continue;
@@ -515,11 +499,10 @@ static ehd_status verify_once(artefact *file, const artefact_field *field, ehd_e
 ehd_status get_entries(artefact *file, const char *name, artefact_type type, size_t first,
                        size_t count, void *data, size_t room, ehd_error *error) {
     const artefact_field *field = find_field(file, name);
-    if (!field || field->type != type) {
+    if (!field || field->type != type)
         return ehd_fail(error, EHD_INTERNAL,
                         "%s: found field %s, expected one of %s with this type", shown_name(file),
                         name, file->schema->name);
-    }
     if (!hdf5_has_dataset(file->id, name)) {
         ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected %s", shown_name(file), name,
                  field->long_name);

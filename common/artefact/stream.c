@@ -121,9 +121,8 @@ static ehd_status resume_streaming(artefact *file, const program *caller, const 
     if (status != EHD_OK) return status;
 
     // `complete` is 1 after a run whose last rename failed
-    if (completeness(file) != 0 && !put_complete(file->id, 0)) {
+    if (completeness(file) != 0 && !put_complete(file->id, 0))
         return hdf5_write_failed(file, "complete", error);
-    }
     return file->growing ? EHD_OK : artefact_begin_streaming(file, error);
 }
 
@@ -175,11 +174,10 @@ ehd_status artefact_cut_axis(artefact *file, const char *name, size_t length, eh
         return not_resumable(file, "axes of which none grows", error);
     if (file->history_line && strcmp(name, file->growing) != 0)
         return not_resumable(file, "another axis that grows", error);
-    if (file->streaming || !file->growing || strcmp(name, file->growing) != 0) {
+    if (file->streaming || !file->growing || strcmp(name, file->growing) != 0)
         return ehd_fail(error, EHD_INTERNAL,
                         "%s: found axis %s, expected the one that grows, before streaming",
                         file->path, name);
-    }
     ehd_status status = EHD_OK;
     for (const file_dataset *of = file->datasets; of->field.name && status == EHD_OK; of++)
         if (field_grows(file, &of->field) && field_exists(file, &of->field))
@@ -201,14 +199,12 @@ static ehd_status add_resumed_history(artefact *file, ehd_error *error) {
 }
 
 static ehd_status write_last(artefact *file, ehd_error *error) {
-    if (file->failed) {
+    if (file->failed)
         return ehd_fail(error, EHD_IO, "%s: found an earlier write failure, expected a whole file",
                         file->partial);
-    }
-    if (file->growing && artefact_length(file, file->growing) == 0) {
+    if (file->growing && artefact_length(file, file->growing) == 0)
         return ehd_fail(error, EHD_INTERNAL, "%s: %s: found no entry, expected at least one",
                         file->partial, file->growing);
-    }
     const bool own = !file->copied; // the copy of another program's file may lack NEED_OWN items
     ehd_status status = artefact_end_streaming(file, error);
     if (status == EHD_OK) status = check_written(file, file->schema->fields, own, error);

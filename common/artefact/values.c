@@ -50,8 +50,7 @@ static int64_t film_lines(const artefact *file) {
     int64_t half = 0;
 
     if (lines == 0) return 1;
-    if (hdf5_has_attribute(file->id, "half"))
-        hdf5_get_number(file->id, "half", ARTEFACT_INTEGER, &half);
+    hdf5_get_number(file->id, "half", ARTEFACT_INTEGER, &half); // 0 where it is missing
     return lines + (half ? 1 : 2);
 }
 

@@ -155,12 +155,11 @@ static const artefact_axis *new_axis(const artefact *file, const char *name) {
 ehd_status artefact_put_axis(artefact *file, const char *name, size_t length, const double *values,
                              ehd_error *error) {
     const artefact_axis *axis = new_axis(file, name);
-    if (!axis || length == 0) {
+    if (!axis || length == 0)
         return ehd_fail(
             error, EHD_INTERNAL,
             "%s: found axis %s of length %zu, expected a new one of %s that is not empty",
             file->path, name, length, file->schema->name);
-    }
     if (!write_scale(file->id, axis, length, values)) return hdf5_write_failed(file, name, error);
     find_dataset(file, name)->length = length;
     return EHD_OK;
@@ -168,10 +167,9 @@ ehd_status artefact_put_axis(artefact *file, const char *name, size_t length, co
 
 static ehd_status put_growing_axis(artefact *file, const char *name, ehd_error *error) {
     const artefact_axis *axis = new_axis(file, name);
-    if (!axis) {
+    if (!axis)
         return ehd_fail(error, EHD_INTERNAL, "%s: found axis %s, expected one of %s", file->path,
                         name, file->schema->name);
-    }
     hid_t dataset = -1;
     bool written = create_scale(&dataset, file->id, axis, false, 0, LAYOUT_GROWING);
     ehd_status status = written ? EHD_OK : hdf5_write_failed(file, name, error);
@@ -208,10 +206,9 @@ static ehd_status declare(artefact *file, const artefact_field *field, layout ki
     const bool growing = field_grows(file, field);
     for (int i = 0; i < rank; i++) {
         dims[i] = artefact_length(file, axes[i]);
-        if (dims[i] == 0 && !(growing && i == 0)) {
+        if (dims[i] == 0 && !(growing && i == 0))
             return ehd_fail(error, EHD_INTERNAL, "%s: %s: found no axis %s, expected it before",
                             file->path, field->name, axes[i]);
-        }
     }
     bool integer = field->type == ARTEFACT_INTEGER;
     if (growing) kind = LAYOUT_GROWING;
@@ -225,10 +222,9 @@ static ehd_status declare(artefact *file, const artefact_field *field, layout ki
 
 static ehd_status declare_new(artefact *file, const char *name, layout kind, ehd_error *error) {
     const artefact_field *field = find_field(file, name);
-    if (!field || file->streaming || hdf5_has_dataset(file->id, name)) {
+    if (!field || file->streaming || hdf5_has_dataset(file->id, name))
         return ehd_fail(error, EHD_INTERNAL, "%s: found field %s, expected a new one of %s",
                         file->path, name, file->schema->name);
-    }
     return declare(file, field, kind, error);
 }
 
@@ -244,23 +240,19 @@ ehd_status put_entries(artefact *file, const char *name, artefact_type type, siz
                        size_t count, const void *data, ehd_error *error) {
     hdf5_start();
     const artefact_field *field = find_field(file, name);
-    if (!field || field->type != type) {
+    if (!field || field->type != type)
         return ehd_fail(error, EHD_INTERNAL,
                         "%s: found field %s, expected one of %s with this type", file->path, name,
                         file->schema->name);
-    }
+    const bool exists = field_exists(file, field);
     ehd_status status = EHD_OK;
-    if (!field_exists(file, field)) {
-        if (file->streaming) { // a resumed file: the earlier run has not declared the field
-            status =
-                ehd_fail(error, file->history_line ? EHD_DATA : EHD_INTERNAL,
-                         "%s: found no field %s, expected a declared one", file->partial, name);
-            return hdf5_blame(status, file->partial, error);
-        }
-        status = declare(file, field, LAYOUT_PLAIN, error);
+    if (!exists && file->streaming) { // a resumed file: the earlier run has not declared the field
+        status = ehd_fail(error, file->history_line ? EHD_DATA : EHD_INTERNAL,
+                          "%s: found no field %s, expected a declared one", file->partial, name);
+        return hdf5_blame(status, file->partial, error);
     }
-    if (status != EHD_OK) return status;
-    return write_entries(file, name, type, first, count, data, error);
+    if (!exists) status = declare(file, field, LAYOUT_PLAIN, error);
+    return status ? status : write_entries(file, name, type, first, count, data, error);
 }
 
 ehd_status artefact_put(artefact *file, const char *field, const double *data, ehd_error *error) {
@@ -300,10 +292,9 @@ static ehd_status extend_fields(artefact *file, size_t length, ehd_error *error)
 
 ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first, size_t count,
                                   const double *values, ehd_error *error) {
-    if (!file->growing || strcmp(name, file->growing) != 0) {
+    if (!file->growing || strcmp(name, file->growing) != 0)
         return ehd_fail(error, EHD_INTERNAL, "%s: found axis %s, expected the one that grows",
                         file->path, name);
-    }
     size_t *length = &find_dataset(file, name)->length;
     ehd_status status = EHD_OK;
     if (first + count > *length) {
@@ -311,9 +302,8 @@ ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first
         // only a flush ensures that readers see the longer fields before the longer axis
         if (status == EHD_OK) status = artefact_flush(file, error);
     }
-    if (status == EHD_OK) {
+    if (status == EHD_OK)
         status = write_entries(file, name, ARTEFACT_REAL, first, count, values, error);
-    }
     if (status == EHD_OK && first + count > *length) *length = first + count;
     return status;
 }
