@@ -35,7 +35,7 @@ typedef enum artefact_values {
     VALUES_POSITIVE_OR_NAN,
     VALUES_NOT_NEGATIVE,
     VALUES_BOUND, // not negative (may be infinite), or NaN if unknown
-    // integers
+    // of integers
     VALUES_FLAG,
     VALUES_COUNT,
     VALUES_INDEX_OR_NONE,

@@ -144,6 +144,13 @@ static void check_scale(const artefact_schema *schema, const char *name, const c
         fail_msg("%s: %s: no units of %s", schema->name, name, scale->frame);
 }
 
+/* Checks that a range fits the type. The ranges of integers follow those of real numbers. */
+static void check_range(const artefact_schema *schema, const artefact_field *field) {
+    const bool for_integers = field->values >= VALUES_FLAG;
+    if (field->values != VALUES_ANY && for_integers != (field->type == ARTEFACT_INTEGER))
+        fail_msg("%s: %s: a range of another type", schema->name, field->name);
+}
+
 static void tables_make_sense(void **state) {
     (void)state;
     for (size_t i = 0; artefact_schemas[i]; i++) {
@@ -158,9 +165,11 @@ static void tables_make_sense(void **state) {
             check_entry(schema, e->name, e->units, e->long_name, "dataset");
             check_scale(schema, e->name, e->units, e->scale);
             check_axes(schema, e);
+            check_range(schema, e);
         }
         for (const artefact_field *e = schema->attributes; e->name; e++) {
             check_entry(schema, e->name, e->units, e->long_name, "attribute");
+            check_range(schema, e);
             check_scale(schema, e->name, e->units, e->scale);
         }
     }
