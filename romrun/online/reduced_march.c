@@ -6,7 +6,6 @@
 #include "common/program/program.h"
 #include "common/time/bdf_march.h"
 #include "common/time/film_errors.h"
-#include "common/time/path_filter.h"
 #include "romrun/solve/guess.h"
 #include "romrun/state/fields.h"
 #include "romrun/trust/time_indicator.h"
@@ -67,8 +66,8 @@ typedef struct factors_origin {
 struct reduced_march {
     bdf_march bdf;
     const reduced_model *model;
-    const film_splines *splines;
     ehd_contact reference;
+    film_carrier carrier;
     trained_range *range;
     range_memory *range_memory;
     reduced_solver *solver;
@@ -76,10 +75,8 @@ struct reduced_march {
     double tolerance;                     // error that steps may cause in the film; NaN: not set
     previous_film states[NUM_BDF_PLACES]; // states in the ring of `bdf`, and the base (BDF_BASE)
     previous_sums previous;
-    // only for transport along the path. `path`: films of the base, which is the initial state;
-    // `entrained`, `band_entrained`: d/dX of rho H of the base, as the rows evaluate this
+    // only for transport along the path: d/dX of rho H of the base, as the rows evaluate this
     // derivative
-    path_films path;
     double *entrained, *band_entrained; // [num_rows], [nodes of the band]
     error_estimate estimate;
     film_errors taken_up; // errors that films have accumulated with transport along the path
@@ -110,7 +107,7 @@ reduced_march *reduced_march_free(reduced_march *self) {
     range_memory_free(self->range_memory);
     for (size_t i = 0; i < NUM_BDF_PLACES; i++)
         previous_film_free(&self->states[i]);
-    path_films_free(&self->path);
+    film_carrier_free(&self->carrier);
     time_indicator_free(&self->indicator);
     functionals_free(self->functionals);
     reduced_state_free(&self->factors.state);
@@ -205,15 +202,6 @@ static bool find_way(reduced_march *self) {
     return true;
 }
 
-static ehd_status prepare_path(reduced_march *self, ehd_error *error) {
-    const ehd_contact *reference = &self->reference;
-    const ehd_status status =
-        path_films_init(&self->path, self->splines, self->model, path_filter_length(reference),
-                        reference->lubricant.density != NULL, error);
-
-    return status || find_way(self) ? status : ehd_no_memory(error, "online solver");
-}
-
 static bool is_of_stationary_scenes(const reduced_states *states) {
     size_t i = 0;
 
@@ -284,7 +272,6 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     reduced_march *self = calloc(1, sizeof *self);
     if (!self) return ehd_no_memory(error, "online solver");
     self->model = model;
-    self->splines = splines;
     self->reference = *reference;
     if (isnan(reference->smoothing)) self->reference.smoothing = model->carriage.smoothing;
     self->of_films = (film_factors){NAN, NAN, NAN, NAN};
@@ -297,12 +284,14 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     self->functionals = functionals_create(model);
     bool whole = self->range_memory && self->functionals && !self->memory.failed;
     if (whole) sort_rows(self);
+    whole = whole && (!is_along_path(self) || find_way(self));
     status = whole ? reduced_solver_create(&self->solver, model, &in_time, error)
                    : ehd_no_memory(error, "online solver");
     if (!status) status = reduced_state_init(&self->factors.state, model, error);
+    if (!status)
+        status = film_carrier_init(&self->carrier, model, splines, &self->reference, error);
     for (size_t i = 0; i < NUM_BDF_PLACES && !status; i++)
-        status = previous_film_init(&self->states[i], model, splines, error);
-    if (!status && is_along_path(self)) status = prepare_path(self, error);
+        status = previous_film_init(&self->states[i], &self->carrier, error);
     if (!status) status = time_indicator_init(&self->indicator, model, error);
     if (status)
         reduced_march_free(self);
@@ -568,8 +557,7 @@ static double entrain(const reduced_march *self, size_t node) {
     for (size_t a = 0; a < NUM_STENCIL; a++) {
         double density;
         if (stencil.node[a] == NO_NODE) continue;
-        path_base_at(&film[a], &density, &self->path, stencil.node[a], model, self->splines,
-                     &self->reference);
+        film_carrier_base_at(&film[a], &density, &self->carrier, stencil.node[a]);
         if (fluid.density) fluid.density[a] = density;
         stencil.node[a] = a;
     }
@@ -583,11 +571,9 @@ static ehd_status use_base(void *solver, ehd_error *error) {
     reduced_march *self = solver;
     const reduced_model *model = self->model;
     const ehd_grid *grid = &model->grid;
-    previous_film *base = &self->states[BDF_BASE];
     (void)error;
 
-    previous_film_prepare(base, model, self->splines, &self->reference);
-    path_films_set_base(&self->path, base, model, self->splines);
+    film_carrier_set_base(&self->carrier, &self->states[BDF_BASE]);
     for (size_t r = 0; r < model->rows.num_rows; r++)
         self->entrained[r] = entrain(self, model->rows.node[r]);
     for (size_t i = 0; i < self->indicator.num_nodes; i++)
@@ -655,10 +641,10 @@ static void indicate_start(march_step *outcome, reduced_march *self, const ehd_c
     previous_film *first = state_before(self, 0);
 
     if (!indicates(self)) return;
-    previous_film_prepare(first, self->model, self->splines, &self->reference);
+    previous_film_prepare(first);
     time_indicator_clear(&self->indicator);
     time_indicator_place(&self->indicator, NULL);
-    time_indicator_evaluate(&self->indicator, first, self->solver, contact, 0, self->splines);
+    time_indicator_evaluate(&self->indicator, first, self->solver, contact, 0);
     time_indicator_start(&self->indicator, contact->entrainment);
     if (contact->entrainment > 0) add_local(self, &outcome->scalars, NULL, &first->frame);
     set_indicated(outcome, self, contact);
@@ -717,11 +703,6 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
 
 // ---- a step
 
-/* target += factor * source */
-static void add_times(double *target, double factor, const double *source, size_t count) {
-    axpy(target, factor, source, count);
-}
-
 /* Extrapolates the coordinates and the values at the needed nodes from the accepted states. Keeps
  * the exits of the last state. */
 static void predict(reduced_march *self) {
@@ -738,38 +719,26 @@ static void predict(reduced_march *self) {
     for (size_t i = 0; i < self->bdf.ring.num_previous; i++) {
         const previous_film *previous = state_before(self, i + 1);
         double factor = self->bdf.formula.predictor[i];
-        add_times(next->state.coordinates, factor, previous->state.coordinates,
-                  model->num_unknowns);
-        add_times(values->pressure, factor, previous->values.pressure, model->rows.num_needed);
-        add_times(values->cut, factor, previous->values.cut, model->cut.num_rows);
+        axpy(next->state.coordinates, factor, previous->state.coordinates, model->num_unknowns);
+        axpy(values->pressure, factor, previous->values.pressure, model->rows.num_needed);
+        axpy(values->cut, factor, previous->values.cut, model->cut.num_rows);
         if (previous->values.checkpoint != values->checkpoint && factor != 0)
             values->checkpoint = model->checkpoints.num; // this value means: no checkpoint
     }
 }
 
-static void list_previous(const previous_film *films[BDF_PREVIOUS], const reduced_march *self) {
-    for (size_t i = 0; i < self->bdf.ring.num_previous; i++)
-        films[i] = &self->states[bdf_march_place(&self->bdf, i + 1)];
-}
-
-/* Computes rho H of `num` previous states, carried to a node of the frame. */
-static void masses_at(double *mass, const previous_film *const *films, size_t num, size_t node,
-                      const contact_frame *frame, const reduced_march *self) {
-    if (is_along_path(self))
-        path_film_masses(mass, films, num, node, frame, self->model, self->splines, &self->path,
-                         &self->reference);
-    else
-        previous_film_masses(mass, films, num, node, frame, self->model, self->splines,
-                             &self->reference);
-}
-
-/* Returns the weighted sum over the states of a BDF formula. The function does not call dot(),
- * which is made for longer vectors. */
-static double history_sum(const double *weights, const double *values, size_t count) {
+/* Returns the weighted sum over the previous states of rho H, carried to a node of a frame.
+ * `masses`, [num]: rho H of each state. */
+static double sum_masses(double masses[BDF_PREVIOUS], const reduced_march *self,
+                         const double *weights, size_t num, size_t node,
+                         const contact_frame *frame) {
     double sum = 0;
 
-    for (size_t i = 0; i < count; i++)
-        sum += weights[i] * values[i];
+    for (size_t i = 0; i < num; i++) {
+        const previous_film *film = &self->states[bdf_march_place(&self->bdf, i + 1)];
+        masses[i] = previous_film_mass(film, node, frame);
+        sum += weights[i] * masses[i];
+    }
     return sum;
 }
 
@@ -779,17 +748,14 @@ static double history_sum(const double *weights, const double *values, size_t co
  * rho H. */
 static void sum_at_rows(double *sum, double *const *masses, const reduced_march *self,
                         const contact_frame *frame, double entrainment) {
-    const reduced_model *model = self->model;
-    const previous_film *films[BDF_PREVIOUS];
-    size_t num = self->bdf.ring.num_previous;
+    const row_set *rows = &self->model->rows;
+    const size_t num = self->bdf.ring.num_previous;
     double mass[BDF_PREVIOUS];
 
-    list_previous(films, self);
-    for (size_t i = 0; i < model->rows.num_rows; i++) {
+    for (size_t i = 0; i < rows->num_rows; i++) {
         const size_t r = self->previous.ascending[i];
-        masses_at(mass, films, num, model->rows.node[r], frame, self);
-        sum[r] =
-            history_sum(self->bdf.formula.weight, mass, num) + entrainment * self->entrained[r];
+        sum[r] = sum_masses(mass, self, self->bdf.formula.weight, num, rows->node[r], frame) +
+                 entrainment * self->entrained[r];
         for (size_t k = 0; masses && k < num; k++)
             masses[k][r] = mass[k];
     }
@@ -802,10 +768,9 @@ static void prepare(void *solver, size_t place, double share) {
     previous_film *film = &self->states[place];
 
     if (is_along_path(self))
-        previous_film_prepare_path(film, &self->path, share, self->model, self->splines,
-                                   &self->reference);
+        previous_film_prepare_path(film, share);
     else
-        previous_film_prepare(film, self->model, self->splines, &self->reference);
+        previous_film_prepare(film);
 }
 
 static void carry_over(reduced_march *self, const contact_frame *frame) {
@@ -817,13 +782,10 @@ static void carry_over(reduced_march *self, const contact_frame *frame) {
 
 /* Returns the weighted sum of previous rho H at a node of a frame. */
 static double sum_in_frame(const reduced_march *self, size_t node, const contact_frame *now) {
-    const previous_film *films[BDF_PREVIOUS];
+    const bdf_formula *formula = &self->bdf.formula;
     double mass[BDF_PREVIOUS];
-    const size_t num = self->bdf.formula.num_weighted;
 
-    list_previous(films, self);
-    masses_at(mass, films, num, node, now, self);
-    return history_sum(self->bdf.formula.weight, mass, num);
+    return sum_masses(mass, self, formula->weight, formula->num_weighted, node, now);
 }
 
 /* Returns the weighted sum of previous rho H at a node of the attempt's frame. */
@@ -878,15 +840,12 @@ static bool is_before_exit(const reduced_march *self, size_t node) {
 /* Returns bdf_march_missed (solution minus prediction of rho H) at any node. The state of the
  * attempt must be prepared. *mass: rho H at the node. */
 static double missed_at(double *mass, const reduced_march *self, size_t node) {
-    const previous_film *films[BDF_PREVIOUS];
     const previous_film *next = &self->states[bdf_march_place(&self->bdf, 0)];
     double before[BDF_PREVIOUS];
 
-    list_previous(films, self);
-    previous_film_masses(mass, &next, 1, node, &next->frame, self->model, self->splines,
-                         &self->reference);
-    masses_at(before, films, self->bdf.ring.num_previous, node, &next->frame, self);
-    return *mass - history_sum(self->bdf.formula.predictor, before, self->bdf.ring.num_previous);
+    *mass = previous_film_mass(next, node, &next->frame);
+    return *mass - sum_masses(before, self, self->bdf.formula.predictor,
+                              self->bdf.ring.num_previous, node, &next->frame);
 }
 
 /* Returns the density at the pressure that the dry contact has at X. */
@@ -971,9 +930,8 @@ static void add_filter_errors(reduced_march *self, const contact_frame *now) {
     frame_contact(&contact, &last->frame, &self->reference);
     for (size_t i = 0; i < estimate->num_way; i++) {
         estimate->changed_x[i] = (estimate->x[i] + shift) / stretch;
-        estimate->changed[i] =
-            hertz_density(&contact, estimate->x[i]) *
-            path_filter_change(last, estimate->way[i], self->model, self->splines);
+        estimate->changed[i] = hertz_density(&contact, estimate->x[i]) *
+                               previous_film_filter_change(last, estimate->way[i]);
     }
     film_errors_add(&self->taken_up, march_error_growth * frame_film_ratio(now, &last->frame),
                     estimate->changed, estimate->changed_x, estimate->num_way);
@@ -1018,8 +976,7 @@ static void indicate(march_step *outcome, reduced_march *self, const ehd_contact
                                            self->bdf.entrainment * indicator->entrained[i];
     for (size_t i = indicator->num_nodes; i < indicator->num_nodes + indicator->num_at_exit; i++)
         indicator->previous[i] = previous_at(self, indicator->node[i]);
-    time_indicator_evaluate(indicator, next, self->solver, contact, self->bdf.formula.rate,
-                            self->splines);
+    time_indicator_evaluate(indicator, next, self->solver, contact, self->bdf.formula.rate);
     time_indicator_carry(indicator, then, &next->frame, self->bdf.entrainment, self->bdf.step);
     add_local(self, &outcome->scalars, then, &next->frame);
     set_indicated(outcome, self, contact);
@@ -1048,8 +1005,7 @@ static reduced_squeeze squeeze_of(reduced_march *self) {
 static double film_of_attempt(const void *context, size_t node) {
     const reduced_march *self = context;
 
-    return previous_film_thickness(&self->states[bdf_march_place(&self->bdf, 0)], node, self->model,
-                                   self->splines);
+    return previous_film_thickness(&self->states[bdf_march_place(&self->bdf, 0)], node);
 }
 
 /* Returns the tolerance of the iterations: a tenth of the error that a step of this length may
@@ -1094,7 +1050,7 @@ static ehd_status solve_step(march_step *outcome, void *solver, const ehd_contac
     if (info.status == EHD_NOT_CONVERGED) return EHD_OK;
     reduced_row_values(self->estimate.pressure, self->bdf.masses.solved, self->solver, contact);
     if (indicates(self) || (is_along_path(self) && self->bdf.formula.error > 0)) {
-        previous_film_prepare(next, self->model, self->splines, &self->reference);
+        previous_film_prepare(next);
         reduced_find_dip(&outcome->scalars, self->solver, film_of_attempt, self);
     }
     return EHD_OK;
@@ -1251,7 +1207,8 @@ static void give(handed_state *given, const void *solver, size_t place) {
     const reduced_state *state = &self->states[place].state;
 
     given->rigid_approach = state->coordinates[self->model->num_unknowns - 1];
-    reduced_fields(given->pressure, given->film, state, self->model, &self->splines->fields);
+    reduced_fields(given->pressure, given->film, state, self->model,
+                   &self->carrier.splines->fields);
     if (given->exits)
         memcpy(given->exits, reduced_state_exits(state),
                self->model->band.num_lines * sizeof *given->exits);
@@ -1283,7 +1240,7 @@ static ehd_status mean_lift(double *lift, const reduced_march *self, const hande
 
     if (!pressure) return ehd_no_memory(error, "reduced march");
     double *film = pressure + num_nodes;
-    reduced_fields(pressure, film, projected, self->model, &self->splines->fields);
+    reduced_fields(pressure, film, projected, self->model, &self->carrier.splines->fields);
     for (size_t k = 0; k < num_nodes; k++) {
         if (!(state->pressure[k] > 0)) continue;
         weight += state->pressure[k];
@@ -1302,7 +1259,7 @@ static ehd_status mean_lift(double *lift, const reduced_march *self, const hande
 static ehd_status project(reduced_state *target, const reduced_march *self,
                           const handed_state *state, ehd_error *error) {
     const reduced_model *model = self->model;
-    const film_splines *splines = self->splines;
+    const film_splines *splines = self->carrier.splines;
     const ehd_grid *grid = &model->grid;
     const size_t width = grid_width(grid), num = model->num_pressure;
     double *z = target->coordinates;
@@ -1321,8 +1278,8 @@ static ehd_status project(reduced_state *target, const reduced_march *self,
     for (size_t k = 0; k < grid->num_nodes && model->num_deformation > 0; k++) {
         const double *modes = splines->film + (k / width + splines->side) * splines->layout.line +
                               (k % width + splines->margin) * splines->layout.column;
-        add_times(z + num, state->film[k] - grid_gap(grid, k) - state->rigid_approach, modes,
-                  model->num_deformation);
+        axpy(z + num, state->film[k] - grid_gap(grid, k) - state->rigid_approach, modes,
+             model->num_deformation);
     }
     z[model->num_unknowns - 1] = state->rigid_approach;
     double lift = 0;

@@ -5,7 +5,6 @@
 #include "common/algebra/rounding.h"
 #include "common/algebra/vectors.h"
 #include "common/physics/deflection.h"
-#include "common/time/bdf.h"
 #include "common/time/path_filter.h"
 
 #include <math.h>
@@ -256,14 +255,18 @@ static ehd_status filter_table(double **filtered, const double *table, const spl
     return EHD_OK;
 }
 
-ehd_status path_films_init(path_films *self, const film_splines *splines,
-                           const reduced_model *model, double smoothing, bool compressible,
-                           ehd_error *error) {
-    *self = (path_films){.base_layout = layout_of_modes(&splines->grid, 1),
-                         .base_pressure_layout = layout_of_modes(&model->grid, 1)};
+ehd_status film_carrier_init(film_carrier *self, const reduced_model *model,
+                             const film_splines *splines, const ehd_contact *reference,
+                             ehd_error *error) {
+    const bool compressible = reference->lubricant.density != NULL;
+
+    *self = (film_carrier){.model = model, .splines = splines, .reference = reference};
+    if (reference->transport != TRANSPORT_PATH) return EHD_OK;
+    const double smoothing = path_filter_length(reference);
+    self->base_layout = layout_of_modes(&splines->grid, 1);
+    self->base_pressure_layout = layout_of_modes(&model->grid, 1);
     ehd_status status = filter_table(&self->film, splines->film, &splines->layout, &splines->grid,
                                      smoothing, error);
-
     if (!status) status = make_table(&self->base_film, &self->base_layout, error);
     if (!status) status = make_table(&self->base_cut, &self->base_layout, error);
     if (!status && compressible)
@@ -271,11 +274,11 @@ ehd_status path_films_init(path_films *self, const film_splines *splines,
                               &model->grid, smoothing, error);
     if (!status && compressible)
         status = make_table(&self->base_pressure, &self->base_pressure_layout, error);
-    if (status) path_films_free(self);
+    if (status) film_carrier_free(self);
     return status;
 }
 
-void path_films_free(path_films *self) {
+void film_carrier_free(film_carrier *self) {
     free(self->film);
     free(self->pressure);
     free(self->base_film);
@@ -304,9 +307,11 @@ static void free_sums(node_sums *self) {
     free(self->of_state);
 }
 
-ehd_status previous_film_init(previous_film *self, const reduced_model *model,
-                              const film_splines *splines, ehd_error *error) {
-    memset(self, 0, sizeof *self);
+ehd_status previous_film_init(previous_film *self, const film_carrier *carrier, ehd_error *error) {
+    const reduced_model *model = carrier->model;
+    const film_splines *splines = carrier->splines;
+
+    *self = (previous_film){.carrier = carrier};
     self->runs = calloc(model->band.num_lines, sizeof *self->runs);
     self->cut_pressure = calloc(model->band.num_nodes, sizeof(double));
     self->cut_node = calloc(model->band.num_nodes, sizeof *self->cut_node);
@@ -344,23 +349,22 @@ static double sum_row(const node_sums *self, size_t at, size_t width) {
 }
 
 /* Returns the sum of the pressure modes at a node or, if `offset` is the offset of a curvature,
- * this curvature of the sum. With transport along the path (`path` not NULL) it is the value of the
- * base plus the filtered difference from the base. */
-static double sum_modes(const previous_film *self, const path_films *path,
-                        const film_splines *splines, size_t offset, size_t node) {
+ * this curvature of the sum. With transport along the path it is the value of the base plus the
+ * filtered difference from the base. */
+static double sum_modes(const previous_film *self, size_t offset, size_t node) {
+    const film_splines *splines = self->carrier->splines;
     const size_t width = splines->pressure_layout.width;
     const size_t at = node * splines->pressure_layout.column + offset;
 
-    if (!path) return sum_row(&self->pressure, at, width);
+    if (!self->along_path) return sum_row(&self->pressure, at, width);
     return sum_row(&self->pressure, at, width) +
-           dot(splines->pressure + at, path->base->state.coordinates, width);
+           dot(splines->pressure + at, self->carrier->base->state.coordinates, width);
 }
 
 /* Prepares the pressure's spline near the exit of a line contact. The values are zero from the exit
  * on. At the first node of the window, the curvature is the curvature of the sum of the modes. */
-static void prepare_window(previous_film *self, const path_films *path, const reduced_model *model,
-                           const film_splines *splines) {
-    size_t num_nodes = model->grid.num_nodes;
+static void prepare_window(previous_film *self) {
+    size_t num_nodes = self->carrier->model->grid.num_nodes;
     size_t size = num_nodes < EXIT_WINDOW ? num_nodes : EXIT_WINDOW, exit = self->state.exit;
     size_t begin = exit > size * 2 / 3 ? exit - size * 2 / 3 : 0;
     double factor[EXIT_WINDOW];
@@ -369,16 +373,17 @@ static void prepare_window(previous_film *self, const path_films *path, const re
     self->window_begin = begin;
     self->window_size = size;
     for (size_t i = 0; i < size; i++)
-        self->window[i] = begin + i < exit ? sum_modes(self, path, splines, 0, begin + i) : 0;
+        self->window[i] = begin + i < exit ? sum_modes(self, 0, begin + i) : 0;
     memset(self->curvature, 0, sizeof self->curvature);
     self->curvature[0] =
-        sum_modes(self, path, splines, splines->pressure_layout.x_curvature, begin);
+        sum_modes(self, self->carrier->splines->pressure_layout.x_curvature, begin);
     spline_curvatures(self->curvature, factor, self->window, size, 1, 1, false);
 }
 
 /* Finds the nodes between the state's exits and cut_exits, and P at these nodes. */
-static void prepare_cut(previous_film *self, const reduced_model *model,
-                        const film_splines *splines) {
+static void prepare_cut(previous_film *self) {
+    const reduced_model *model = self->carrier->model;
+    const film_splines *splines = self->carrier->splines;
     const size_t num_runs = is_coupled(model)
                                 ? reduced_model_runs(self->runs, model, splines->fields.cut_exits,
                                                      reduced_state_exits(&self->state))
@@ -406,34 +411,51 @@ static void prepare_sums(node_sums *self, const double *table, const double *fil
     self->state++;
 }
 
-void previous_film_prepare(previous_film *self, const reduced_model *model,
-                           const film_splines *splines, const ehd_contact *reference) {
-    prepare_cut(self, model, splines);
-    prepare_sums(&self->film, splines->film, NULL, 0, self->state.coordinates + film_offset(model));
-    prepare_sums(&self->pressure, splines->pressure, NULL, 0, self->state.coordinates);
-    if (reference->lubricant.density && is_line(model)) prepare_window(self, NULL, model, splines);
+/* Prepares a state. The film and the pressure are sums over modes with the given coordinates. */
+static void prepare(previous_film *self, double share, const double *coordinates) {
+    const film_carrier *carrier = self->carrier;
+    const film_splines *splines = carrier->splines;
+
+    prepare_cut(self);
+    prepare_sums(&self->film, splines->film, carrier->film, share,
+                 coordinates + film_offset(carrier->model));
+    prepare_sums(&self->pressure, splines->pressure, carrier->pressure, share, coordinates);
+    if (carrier->reference->lubricant.density && is_line(carrier->model)) prepare_window(self);
 }
 
-void previous_film_prepare_path(previous_film *self, const path_films *path, double share,
-                                const reduced_model *model, const film_splines *splines,
-                                const ehd_contact *reference) {
-    for (size_t j = 0; j < model->num_unknowns; j++)
-        self->difference[j] = self->state.coordinates[j] - path->base->state.coordinates[j];
-    prepare_cut(self, model, splines);
-    prepare_sums(&self->film, splines->film, path->film, share,
-                 self->difference + film_offset(model));
-    prepare_sums(&self->pressure, splines->pressure, path->pressure, share, self->difference);
-    if (reference->lubricant.density && is_line(model)) prepare_window(self, path, model, splines);
+void previous_film_prepare(previous_film *self) {
+    self->along_path = false;
+    prepare(self, 0, self->state.coordinates);
 }
 
-double path_filter_change(const previous_film *self, size_t node, const reduced_model *model,
-                          const film_splines *splines) {
-    const spline_layout *layout = &splines->layout;
-    const size_t width = grid_width(&model->grid);
-    const size_t at = (node / width + splines->side) * layout->line +
-                      (node % width + splines->margin) * layout->column;
-    return sum_row(&self->film, at, layout->width) -
-           dot(splines->film + at, self->film.coordinates, layout->width);
+void previous_film_prepare_path(previous_film *self, double share) {
+    const previous_film *base = self->carrier->base;
+
+    for (size_t j = 0; j < self->carrier->model->num_unknowns; j++)
+        self->difference[j] = self->state.coordinates[j] - base->state.coordinates[j];
+    self->along_path = true;
+    prepare(self, share, self->difference);
+}
+
+/* Returns the position of a node of the model in the grid of the splines. */
+static grid_position position_of(size_t node, const film_carrier *carrier) {
+    const grid_position at = reduced_model_position(carrier->model, node);
+
+    return (grid_position){at.line + carrier->splines->side, at.column + carrier->splines->margin};
+}
+
+/* Returns the index of a node's modes in the table of the film. */
+static size_t film_row(grid_position at, const spline_layout *layout) {
+    return at.line * layout->line + at.column * layout->column;
+}
+
+double previous_film_filter_change(const previous_film *self, size_t node) {
+    const film_splines *splines = self->carrier->splines;
+    const size_t row = film_row(position_of(node, self->carrier), &splines->layout);
+    const size_t width = splines->layout.width;
+
+    return sum_row(&self->film, row, width) -
+           dot(splines->film + row, self->film.coordinates, width);
 }
 
 // ---- evaluation
@@ -444,9 +466,30 @@ static double round_to_node(double nodes) {
     return fabs(nodes - round(nodes)) < ROUNDING ? round(nodes) : nodes;
 }
 
+/* A point of a state's frame, located in the grid of the splines. For a line contact the only line
+ * has the weight 1. */
+typedef struct film_point {
+    double x, y;
+    spline_point along, across;
+} film_point;
+
+static film_point locate(double x, double y, const film_splines *splines) {
+    const ehd_grid *grid = &splines->grid;
+    const spline_layout *layout = &splines->layout;
+    const bool line = layout->num_lines == 1;
+    const double column = (x - grid->x_min) / grid->step + 1;
+    film_point at = {.x = x, .y = y, .across = {0, {1}}};
+
+    at.along = spline_at(line ? column : round_to_node(column), layout->num_columns);
+    if (!line)
+        at.across = spline_at(round_to_node((y - grid_y(grid, 0)) / grid_step_across(grid)),
+                              layout->num_lines);
+    return at;
+}
+
 /* Evaluates a spline of one function at a point. */
-static double evaluate_one(const double *table, const spline_layout *layout,
-                           const spline_point *along, const spline_point *across) {
+static double evaluate_one(const double *table, const spline_layout *layout, const film_point *at) {
+    const spline_point *along = &at->along, *across = &at->across;
     const size_t x_curvature = layout->x_curvature, column = layout->column;
     double sum = 0;
 
@@ -463,8 +506,8 @@ static double evaluate_one(const double *table, const spline_layout *layout,
 
 /* Adds values and curvatures of the deflection by the pressures between cut_exits and the state's
  * own exits, at a node of the splines' grid. */
-static void add_cut(double *sum, const previous_film *self, size_t line, size_t column,
-                    const film_splines *splines) {
+static void add_cut(double *sum, const previous_film *self, size_t line, size_t column) {
+    const film_splines *splines = self->carrier->splines;
     const spline_layout *layout = &splines->kernel_layout;
     vector total = {0};
 
@@ -492,7 +535,7 @@ static void add_cut(double *sum, const previous_film *self, size_t line, size_t 
 /* Returns values and curvatures of a state at a node. `cut`: state whose deflection from add_cut is
  * added; NULL: no deflection is added. */
 static const double *sums_at(const node_sums *self, const previous_film *cut, size_t line,
-                             size_t column, const film_splines *splines) {
+                             size_t column) {
     const spline_layout *layout = self->layout;
     const size_t parts = parts_of(layout), node = line * layout->num_columns + column;
     double *sum = self->sum + node * parts;
@@ -500,14 +543,14 @@ static const double *sums_at(const node_sums *self, const previous_film *cut, si
     if (self->of_state[node] == self->state) return sum;
     for (size_t i = 0; i < parts; i++)
         sum[i] = sum_row(self, node * layout->column + i * layout->width, layout->width);
-    if (cut) add_cut(sum, cut, line, column, splines);
+    if (cut) add_cut(sum, cut, line, column);
     self->of_state[node] = self->state;
     return sum;
 }
 
 /* Evaluates a state's spline at a point. Skips the nodes whose weights are zero. */
-static double evaluate(const node_sums *self, const previous_film *cut, const spline_point *along,
-                       const spline_point *across, const film_splines *splines) {
+static double evaluate(const node_sums *self, const previous_film *cut, const film_point *point) {
+    const spline_point *along = &point->along, *across = &point->across;
     const bool line_contact = self->layout->num_lines == 1;
     double sum = 0;
 
@@ -517,8 +560,7 @@ static double evaluate(const node_sums *self, const previous_film *cut, const sp
         for (size_t u = 0; u < NUM_SPLINE_WEIGHTS; u += 2) {
             const double *a = along->weight + u;
             if (a[0] == 0 && a[1] == 0) continue;
-            const double *at =
-                sums_at(self, cut, across->node + v / 2, along->node + u / 2, splines);
+            const double *at = sums_at(self, cut, across->node + v / 2, along->node + u / 2);
             sum += b[0] * (a[0] * at[0] + a[1] * at[1]);
             if (!line_contact) sum += b[1] * (a[0] * at[2] + a[1] * at[3]);
         }
@@ -527,31 +569,26 @@ static double evaluate(const node_sums *self, const previous_film *cut, const sp
 }
 
 /* Returns P as the sum of the modes, without setting P to zero behind the exit. With transport
- * along the path (`path` not NULL) the result is P of the base state plus the change that the
- * filtered modes describe. */
-static double uncut_pressure(const previous_film *self, const spline_point *along,
-                             const spline_point *across, const film_splines *splines,
-                             const path_films *path) {
+ * along the path the result is P of the base state plus the change that the filtered modes
+ * describe. */
+static double uncut_pressure(const previous_film *self, const film_point *at) {
+    const film_carrier *carrier = self->carrier;
     double base = 0;
 
-    if (path) {
-        base = evaluate_one(path->base_pressure, &path->base_pressure_layout, along, across);
-        if (self == path->base) return base;
+    if (self->along_path) {
+        base = evaluate_one(carrier->base_pressure, &carrier->base_pressure_layout, at);
+        if (self == carrier->base) return base;
     }
-    return base + evaluate(&self->pressure, NULL, along, across, splines);
+    return base + evaluate(&self->pressure, NULL, at);
 }
 
-/* Returns P of a line contact; `path` as in uncut_pressure. */
-static double window_pressure(const previous_film *self, const spline_point *along,
-                              const film_splines *splines, const path_films *path) {
+/* Returns P of a line contact. */
+static double window_pressure(const previous_film *self, const film_point *at) {
     enum { MARGIN = 4 }; // number of nodes at each end of the window that are not used
-    const double *u = along->weight;
-    size_t node = along->node;
+    const double *u = at->along.weight;
+    size_t node = at->along.node;
 
-    if (node + 1 < self->window_begin + MARGIN) {
-        const spline_point across = {0, {1}};
-        return uncut_pressure(self, along, &across, splines, path);
-    }
+    if (node + 1 < self->window_begin + MARGIN) return uncut_pressure(self, at);
     if (node + MARGIN + 1 >= self->window_begin + self->window_size) return 0;
     size_t i = node - self->window_begin;
     return u[0] * self->window[i] + u[1] * self->curvature[i] + u[2] * self->window[i + 1] +
@@ -567,102 +604,116 @@ static double exit_between(const size_t exits[2], const double *across) {
 }
 
 /* Returns P of a point contact: the sum of the modes before the exit line, zero behind it. */
-static double pressure_before_exit(const previous_film *self, const spline_point *along,
-                                   const spline_point *across, const film_splines *splines,
-                                   const path_films *path) {
-    const size_t *exits = self->state.exits + across->node;
+static double pressure_before_exit(const previous_film *self, const film_point *at) {
+    const double exit = exit_between(self->state.exits + at->across.node, at->across.weight);
 
-    if ((double)along->node + along->weight[2] >= exit_between(exits, across->weight)) return 0;
-    return uncut_pressure(self, along, across, splines, path);
+    return (double)at->along.node + at->along.weight[2] >= exit ? 0 : uncut_pressure(self, at);
 }
 
 /* Returns P at a point, zero beyond the model's grid. */
-static double pressure_at(const previous_film *self, const spline_point *along,
-                          const spline_point *across, const film_splines *splines,
-                          const path_films *path) {
-    size_t num_lines = splines->pressure_layout.num_lines;
-    spline_point u = *along;
+static double pressure_at(const previous_film *self, const film_point *at) {
+    const film_splines *splines = self->carrier->splines;
+    const size_t num_lines = splines->pressure_layout.num_lines;
+    film_point own = *at; // in the model's grid
 
-    if (u.node < splines->margin) return 0;
-    u.node -= splines->margin;
-    if (num_lines == 1) return window_pressure(self, &u, splines, path);
-    spline_point v = *across;
-    v.node -= splines->side; // for a point before the first line this is a large unsigned number
-    return v.node < num_lines - 1 ? pressure_before_exit(self, &u, &v, splines, path) : 0;
+    if (at->along.node < splines->margin) return 0;
+    own.along.node -= splines->margin;
+    if (num_lines == 1) return window_pressure(self, &own);
+    own.across.node -= splines->side; // before the first line this is a large unsigned number
+    return own.across.node < num_lines - 1 ? pressure_before_exit(self, &own) : 0;
 }
 
-/* Locates the point X, Y of a state's frame in the splines' grid. */
-static void locate(spline_point *along, spline_point *across, double x, double y,
-                   const film_splines *splines) {
-    const ehd_grid *grid = &splines->grid;
-    const spline_layout *layout = &splines->layout;
-    const bool line = layout->num_lines == 1;
-    double column = (x - grid->x_min) / grid->step + 1;
+static double density_at(const previous_film *self, const film_point *at) {
+    const ehd_contact *reference = self->carrier->reference;
 
-    *along = spline_at(line ? column : round_to_node(column), layout->num_columns);
-    *across = (spline_point){0, {1}};
-    if (!line)
-        *across = spline_at(round_to_node((y - grid_y(grid, 0)) / grid_step_across(grid)),
-                            layout->num_lines);
-}
-
-static double density_at(const previous_film *self, const spline_point *along,
-                         const spline_point *across, const film_splines *splines,
-                         const path_films *path, const ehd_contact *reference) {
     if (!reference->lubricant.density) return 1;
     double hertz = reference->hertz_pressure * self->frame.hertz_pressure;
-    double pressure = pressure_at(self, along, across, splines, path);
-    return lubricant_density(&reference->lubricant, pressure * hertz);
+    return lubricant_density(&reference->lubricant, pressure_at(self, at) * hertz);
 }
 
-void previous_film_masses(double *mass, const previous_film *const *films, size_t num_films,
-                          size_t node, const contact_frame *now, const reduced_model *model,
-                          const film_splines *splines, const ehd_contact *reference) {
-    for (size_t i = 0; i < num_films; i++) {
-        const previous_film *self = films[i];
-        const double stretch = frame_stretch(now, &self->frame);
-        const double x = stretch * grid_x(&model->grid, node);
-        const double y = is_line(model) ? 0 : stretch * grid_y(&model->grid, node);
-        spline_point along, across;
-        locate(&along, &across, x, y, splines);
-        mass[i] = self->state.coordinates[model->num_unknowns - 1] +
-                  contact_gap(&model->grid.shape, x, y) +
-                  evaluate(&self->film, self, &along, &across, splines);
-        mass[i] *= frame_film_ratio(now, &self->frame);
-        mass[i] *= density_at(self, &along, &across, splines, NULL, reference);
+/* Returns H of the base at a point. */
+static double base_film(const film_carrier *self, const film_point *at) {
+    return evaluate_one(self->base_film, &self->base_layout, at) +
+           contact_gap(&self->splines->grid.shape, at->x, at->y);
+}
+
+/* Returns rho H of a state at a point, times `ratio`. */
+static double mass_at(const previous_film *self, const film_point *at, double ratio) {
+    const reduced_model *model = self->carrier->model;
+    const double film = self->state.coordinates[model->num_unknowns - 1] +
+                        contact_gap(&model->grid.shape, at->x, at->y) +
+                        evaluate(&self->film, self, at);
+
+    return film * ratio * density_at(self, at);
+}
+
+/* Returns rho H with transport along the path. rho H of the base is evaluated at the place of the
+ * node, `here`. The difference from the base is evaluated at the place where the fluid was at the
+ * time of the state, `before`. */
+static double mass_along_path(const previous_film *self, const film_point *here,
+                              const film_point *before) {
+    const film_carrier *carrier = self->carrier;
+    double change = self->difference[carrier->model->num_unknowns - 1] +
+                    evaluate(&self->film, self, before) -
+                    evaluate_one(carrier->base_cut, &carrier->base_layout, before);
+    double stays = base_film(carrier, here);
+
+    if (carrier->reference->lubricant.density) {
+        // both densities differ, so the film of the base at the earlier place does not cancel
+        const double film = base_film(carrier, before);
+        const double of_base = density_at(carrier->base, before);
+        change = density_at(self, before) * (change + film) - of_base * film;
+        stays *= density_at(carrier->base, here);
     }
+    return change + stays;
 }
 
-double previous_film_thickness(const previous_film *self, size_t node, const reduced_model *model,
-                               const film_splines *splines) {
-    const ehd_grid *grid = &model->grid;
-    const spline_layout *layout = &splines->layout;
-    const size_t line = node / grid_width(grid) + splines->side;
-    const size_t column = node % grid_width(grid) + splines->margin;
-    const double *modes = self->film.table + line * layout->line + column * layout->column;
+double previous_film_mass(const previous_film *self, size_t node, const contact_frame *now) {
+    const film_carrier *carrier = self->carrier;
+    const ehd_grid *grid = &carrier->model->grid;
+    const double stretch = frame_stretch(now, &self->frame);
+    const double ratio = frame_film_ratio(now, &self->frame);
+    const double x = stretch * grid_x(grid, node), y = stretch * grid_y(grid, node);
+    const film_point here = locate(x, y, carrier->splines);
+
+    if (!self->along_path) return mass_at(self, &here, ratio);
+    const film_point before = locate(x - frame_shift(now, &self->frame), y, carrier->splines);
+    return mass_along_path(self, &here, &before) * ratio;
+}
+
+double previous_film_thickness(const previous_film *self, size_t node) {
+    const film_carrier *carrier = self->carrier;
+    const spline_layout *layout = &carrier->splines->layout;
+    const grid_position at = position_of(node, carrier);
+    const double *modes = self->film.table + film_row(at, layout);
     double deflection[4] = {dot(modes, self->film.coordinates, layout->width)};
 
-    add_cut(deflection, self, line, column, splines);
-    return self->state.coordinates[model->num_unknowns - 1] + grid_gap(grid, node) + deflection[0];
+    add_cut(deflection, self, at.line, at.column);
+    return self->state.coordinates[carrier->model->num_unknowns - 1] +
+           grid_gap(&carrier->model->grid, node) + deflection[0];
 }
 
-double previous_film_pressure(const previous_film *self, size_t node, const reduced_model *model,
-                              const film_splines *splines) {
-    const size_t num = model->num_pressure;
+double previous_film_pressure(const previous_film *self, size_t node) {
+    const size_t num = self->carrier->model->num_pressure;
 
-    return dot(splines->fields.pressure + node * num, self->state.coordinates, num);
+    return dot(self->carrier->splines->fields.pressure + node * num, self->state.coordinates, num);
 }
 
-void path_films_set_base(path_films *self, const previous_film *base, const reduced_model *model,
-                         const film_splines *splines) {
+// ---- the base
+
+void film_carrier_set_base(film_carrier *self, previous_film *base) {
+    const reduced_model *model = self->model;
+    const film_splines *splines = self->splines;
     const spline_layout *layout = &splines->layout;
     const double *coordinates = base->state.coordinates;
     const double approach = coordinates[model->num_unknowns - 1];
 
+    previous_film_prepare(base);
+    base->along_path = true; // its pressure comes from base_pressure
     self->base = base;
     for (size_t k = 0; k < layout->num_lines * layout->num_columns; k++) {
         double cut[4] = {0};
-        add_cut(cut, base, k / layout->num_columns, k % layout->num_columns, splines);
+        add_cut(cut, base, k / layout->num_columns, k % layout->num_columns);
         self->base_cut[k * self->base_layout.column] = cut[0];
         self->base_film[k * self->base_layout.column] =
             approach + cut[0] +
@@ -679,71 +730,10 @@ void path_films_set_base(path_films *self, const previous_film *base, const redu
     fill_curvatures(self->base_pressure, &self->base_pressure_layout);
 }
 
-/* Returns H of the base at a point of the splines' grid. */
-static double base_film(const path_films *path, const spline_point *along,
-                        const spline_point *across, double x, double y,
-                        const film_splines *splines) {
-    return evaluate_one(path->base_film, &path->base_layout, along, across) +
-           contact_gap(&splines->grid.shape, x, y);
-}
+void film_carrier_base_at(double *film, double *density, const film_carrier *self, size_t node) {
+    const ehd_grid *grid = &self->model->grid;
+    const film_point at = locate(grid_x(grid, node), grid_y(grid, node), self->splines);
 
-/* Places of one node in the frames of several states. If `before` is true in find_points, a place
- * is where the fluid was at the time of the state. Otherwise it is the same physical place as the
- * node. */
-typedef struct path_points {
-    double x[BDF_PREVIOUS], y[BDF_PREVIOUS];
-    spline_point along[BDF_PREVIOUS], across[BDF_PREVIOUS];
-} path_points;
-
-static void find_points(path_points *points, bool before, const previous_film *const *films,
-                        size_t num, double x, double y, const contact_frame *now,
-                        const film_splines *splines) {
-    for (size_t i = 0; i < num; i++) {
-        const contact_frame *then = &films[i]->frame;
-        points->x[i] = frame_stretch(now, then) * x - (before ? frame_shift(now, then) : 0);
-        points->y[i] = frame_stretch(now, then) * y;
-        locate(&points->along[i], &points->across[i], points->x[i], points->y[i], splines);
-    }
-}
-
-void path_film_masses(double *mass, const previous_film *const *films, size_t num_films,
-                      size_t node, const contact_frame *now, const reduced_model *model,
-                      const film_splines *splines, const path_films *path,
-                      const ehd_contact *reference) {
-    const previous_film *base = path->base;
-    const bool compressible = reference->lubricant.density != NULL;
-    const double x = grid_x(&model->grid, node), y = grid_y(&model->grid, node);
-    path_points before = {.x = {0}}, here = {.x = {0}};
-
-    find_points(&before, true, films, num_films, x, y, now, splines);
-    find_points(&here, false, films, num_films, x, y, now, splines);
-    for (size_t i = 0; i < num_films; i++) {
-        const previous_film *self = films[i];
-        const spline_point *along = &before.along[i], *across = &before.across[i];
-        double change = self->difference[model->num_unknowns - 1] +
-                        evaluate(&self->film, self, along, across, splines) -
-                        evaluate_one(path->base_cut, &path->base_layout, along, across);
-        double stays =
-            base_film(path, &here.along[i], &here.across[i], here.x[i], here.y[i], splines);
-        if (compressible) { // both densities differ, so the film of the base at the earlier place
-                            // does not cancel
-            const double film = base_film(path, along, across, before.x[i], before.y[i], splines);
-            const double of_base = density_at(base, along, across, splines, path, reference);
-            const double own = density_at(self, along, across, splines, path, reference);
-            change = own * (change + film) - of_base * film;
-            stays *= density_at(base, &here.along[i], &here.across[i], splines, path, reference);
-        }
-        mass[i] = (change + stays) * frame_film_ratio(now, &self->frame);
-    }
-}
-
-void path_base_at(double *film, double *density, const path_films *path, size_t node,
-                  const reduced_model *model, const film_splines *splines,
-                  const ehd_contact *reference) {
-    const double x = grid_x(&model->grid, node), y = grid_y(&model->grid, node);
-    spline_point along, across;
-
-    locate(&along, &across, x, y, splines);
-    *film = base_film(path, &along, &across, x, y, splines);
-    *density = density_at(path->base, &along, &across, splines, path, reference);
+    *film = base_film(self, &at);
+    *density = density_at(self->base, &at);
 }

@@ -61,35 +61,42 @@ void film_splines_flat_free(film_splines *splines);
 
 struct previous_film;
 
-/* Additional data for transport along the path of the fluid (common/time/README.md, Along the
- * path). The base is the initial state of a run. Only the differences between the states and the
- * base are carried along the path. The base is the same in all time steps, so its film is summed
- * over the modes only once. */
-typedef struct path_films {
-    double *film,
-        *pressure;                    // filtered modes; `pressure` is NULL if incompressible
-    const struct previous_film *base; // the base, prepared and owned by the caller
+/* Data that all states of a march share. For transport along the path of the fluid
+ * (common/time/README.md, Along the path) it also holds the filtered modes and the base, which is
+ * the initial state of a run. Only the differences between the states and the base are carried
+ * along the path. The base is the same in all time steps, so its film is summed over the modes only
+ * once. */
+typedef struct film_carrier {
+    const reduced_model *model;
+    const film_splines *splines;
+    const ehd_contact *reference;
+    // for transport along the path:
+    double *film, *pressure;          // filtered modes; `pressure` is NULL if incompressible
+    const struct previous_film *base; // the base, owned by the caller
     spline_layout base_layout, base_pressure_layout;
     double *base_film;     // [num_nodes of the splines' grid, 2 or 4] H0 and deflection
     double *base_cut;      // part of base_film: deflection by the pressures between
                            // fields.cut_exits and the exits of the base
     double *base_pressure; // [num_nodes of the model, 2 or 4] sum of the pressure modes, not cut at
                            // the exit; only for compressible lubricants
-} path_films;
+} film_carrier;
 
-/* Makes the tables of the filtered modes. If the lubricant is incompressible, the tables of the
- * pressure stay NULL. Errors: EHD_MEMORY. */
-ehd_status path_films_init(
+/* Stores the inputs, which must outlive the carrier. With transport along the path, makes the
+ * tables of the filtered modes. Errors: EHD_MEMORY; EHD_DATA: the filter is too many grid steps
+ * long. */
+ehd_status film_carrier_init(
     // output:
-    path_films *self, // free with path_films_free
+    film_carrier *self, // free with film_carrier_free
     // input:
-    const film_splines *splines, const reduced_model *model, double smoothing, bool compressible,
+    const reduced_model *model, const film_splines *splines, const ehd_contact *reference,
     ehd_error *error);
-void path_films_free(path_films *self);
+void film_carrier_free(film_carrier *self);
 
-/* Sets the base. The caller prepares the base with previous_film_prepare and owns it. */
-void path_films_set_base(path_films *self, const struct previous_film *base,
-                         const reduced_model *model, const film_splines *splines);
+/* Prepares a state as the base. The caller has set `frame` and `state`, and owns the base. */
+void film_carrier_set_base(film_carrier *self, struct previous_film *base);
+
+/* Computes film and density of the base at a node of its own frame. */
+void film_carrier_base_at(double *film, double *density, const film_carrier *self, size_t node);
 
 /* Values and curvatures of the film or the pressure of a state at nodes. They are sums over the
  * modes, which are computed when first needed. */
@@ -110,9 +117,11 @@ enum { EXIT_WINDOW = 64 };
 
 /* A state of a transient run, prepared for evaluation at any point. */
 typedef struct previous_film {
+    const film_carrier *carrier;
     contact_frame frame;
     reduced_state state;
     reduced_values values;   // values at the needed nodes
+    bool along_path;         // prepared for transport along the path
     double *difference;      // [num_unknowns] deviation from the base, for transport along the path
     cut_run *runs;           // [num_lines] runs between fields.cut_exits and the state's exit line
     size_t num_cut;          // number of nodes in the runs
@@ -125,52 +134,33 @@ typedef struct previous_film {
     double window[EXIT_WINDOW], curvature[EXIT_WINDOW]; // P, 0 behind exits; only if compressible
 } previous_film;
 
-/* Allocates the arrays for a state of the model. Errors: EHD_MEMORY. */
-ehd_status previous_film_init(previous_film *self, const reduced_model *model,
-                              const film_splines *splines, ehd_error *error);
+/* Allocates the arrays for a state of the carrier's model. The carrier must outlive the state.
+ * Errors: EHD_MEMORY. */
+ehd_status previous_film_init(previous_film *self, const film_carrier *carrier, ehd_error *error);
 void previous_film_free(previous_film *self);
 
 /* Prepares a state for evaluation. The caller has already set `frame` and `state`. The caller also
  * sets `values`, before or after this call. */
-void previous_film_prepare(previous_film *self, const reduced_model *model,
-                           const film_splines *splines, const ehd_contact *reference);
+void previous_film_prepare(previous_film *self);
 
-/* Prepares a state for evaluation with transport along the path. The filter of path_films changes
+/* Prepares a state for evaluation with transport along the path. The filter of the carrier changes
  * the difference between the state and the base. Of this change, the fraction `share` from 0 to 1
  * is applied (frame_step_share). */
-void previous_film_prepare_path(previous_film *self, const path_films *path, double share,
-                                const reduced_model *model, const film_splines *splines,
-                                const ehd_contact *reference);
+void previous_film_prepare_path(previous_film *self, double share);
 
 /* Returns the change of the film, at a node of the state's own frame, that the fraction `share` of
  * the filter causes. The state must have been prepared by previous_film_prepare_path. */
-double path_filter_change(const previous_film *self, size_t node, const reduced_model *model,
-                          const film_splines *splines);
+double previous_film_filter_change(const previous_film *self, size_t node);
 
-/* Computes rho H of up to BDF_PREVIOUS states, mass[num_films], at node `node` of frame `now`. For
- * the density of a point contact, P is the sum of the modes before the exit line, and zero behind
- * it. The exit line is straight between grid lines. */
-void previous_film_masses(double *mass, const previous_film *const *films, size_t num_films,
-                          size_t node, const contact_frame *now, const reduced_model *model,
-                          const film_splines *splines, const ehd_contact *reference);
+/* Returns rho H of a state, carried to a node of frame `now`. If the state was prepared by
+ * previous_film_prepare_path, the film of the base is evaluated at the node. The difference from
+ * the base is evaluated at the place where the fluid was at the time of the state. For the density
+ * of a point contact, P is the sum of the modes before the exit line, and zero behind it. The exit
+ * line is straight between grid lines. */
+double previous_film_mass(const previous_film *self, size_t node, const contact_frame *now);
 
 /* Return H and P of a state at a node of its own frame. P is not set to zero behind the exit. */
-double previous_film_thickness(const previous_film *self, size_t node, const reduced_model *model,
-                               const film_splines *splines);
-double previous_film_pressure(const previous_film *self, size_t node, const reduced_model *model,
-                              const film_splines *splines);
-
-/* Like previous_film_masses, but with transport along the path. The states must have been prepared
- * by previous_film_prepare_path. The film of the base is evaluated at the node. The difference from
- * the base is evaluated at the place where the fluid was at the time of the state. */
-void path_film_masses(double *mass, const previous_film *const *films, size_t num_films,
-                      size_t node, const contact_frame *now, const reduced_model *model,
-                      const film_splines *splines, const path_films *path,
-                      const ehd_contact *reference);
-
-/* Computes film and density of the base at a node of its own frame. */
-void path_base_at(double *film, double *density, const path_films *path, size_t node,
-                  const reduced_model *model, const film_splines *splines,
-                  const ehd_contact *reference);
+double previous_film_thickness(const previous_film *self, size_t node);
+double previous_film_pressure(const previous_film *self, size_t node);
 
 #endif

@@ -187,8 +187,7 @@ ehd_status time_indicator_init(time_indicator *self, const reduced_model *model,
 
 /* Computes P and H at the needed nodes. At nodes that the solver also needs, takes both values from
  * the solver. */
-static void expand(time_indicator *self, const previous_film *state, const reduced_solver *solver,
-                   const film_splines *splines) {
+static void expand(time_indicator *self, const previous_film *state, const reduced_solver *solver) {
     const reduced_model *model = self->model;
     const size_t *exit = reduced_state_exits(&state->state);
     const reduced_needed known = reduced_needed_fields(solver);
@@ -202,8 +201,8 @@ static void expand(time_indicator *self, const previous_film *state, const reduc
         }
         const bool before =
             reduced_model_column(model, node) < exit[reduced_model_line(model, node)];
-        self->pressure[q] = before ? previous_film_pressure(state, node, model, splines) : 0;
-        self->film[q] = previous_film_thickness(state, node, model, splines);
+        self->pressure[q] = before ? previous_film_pressure(state, node) : 0;
+        self->film[q] = previous_film_thickness(state, node);
     }
 }
 
@@ -229,15 +228,15 @@ static void find_shares(time_indicator *self) {
 }
 
 void time_indicator_evaluate(time_indicator *self, const previous_film *state,
-                             const reduced_solver *solver, const ehd_contact *contact, double rate,
-                             const film_splines *splines) {
+                             const reduced_solver *solver, const ehd_contact *contact,
+                             double rate) {
     const reduced_model *model = self->model;
     const size_t *exit = reduced_state_exits(&state->state);
     const size_t num_nodes = self->num_nodes + self->num_at_exit;
     const reynolds_squeeze squeeze = {rate, self->previous};
     reynolds_fluid fluid = reynolds_fluid_in(self->fluid_memory, self->num_needed, contact);
 
-    expand(self, state, solver, splines);
+    expand(self, state, solver);
     reynolds_fluid_evaluate(&fluid, contact, self->pressure, self->num_needed);
     reynolds_rows(self->rows, &model->grid, contact->entrainment, rate > 0 ? &squeeze : NULL,
                   self->stencils, num_nodes, &fluid, self->pressure, self->film);

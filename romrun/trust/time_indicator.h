@@ -83,7 +83,7 @@ void time_indicator_evaluate(
     time_indicator *self,
     // input:
     const previous_film *state, const reduced_solver *solver, const ehd_contact *contact,
-    double rate, const film_splines *splines);
+    double rate);
 
 /* Carries the errors from the frame `then` to the frame `now` of the evaluated state. The residuals
  * in the inlet cause errors of the films that enter with the dimensionless `entrainment`. The

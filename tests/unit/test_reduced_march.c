@@ -117,23 +117,21 @@ static void a_step_of_full_rank_is_one_of_the_full_model(void **state) {
     full_solver *solver;
     full_state full;
     full_info info;
+    film_carrier carrier;
     previous_film first;
     ehd_contact contact;
     marching self;
 
     marching_init(&self, &nodes);
-    check_ok(previous_film_init(&first, &self.model, &self.splines, &error));
+    check_ok(film_carrier_init(&carrier, &self.model, &self.splines, &self.reference, &error));
+    check_ok(previous_film_init(&first, &carrier, &error));
     const reduced_state start = reduced_march_state(self.march, &first.frame);
     memcpy(first.state.coordinates, start.coordinates, self.model.num_unknowns * sizeof(double));
     reduced_state_set_exits(&first.state, &self.model, start.exits);
-    previous_film_prepare(&first, &self.model, &self.splines, &self.reference);
+    previous_film_prepare(&first);
     fields_of(pressure, film, &start, &self.model, nodes.pressure);
-    for (size_t r = 0; r < grid->num_inner; r++) {
-        const previous_film *films[] = {&first};
-        previous_film_masses(&previous[r], films, 1, grid_node_of_row(grid, r), &now, &self.model,
-                             &self.splines, &self.reference);
-        previous[r] /= -STEP;
-    }
+    for (size_t r = 0; r < grid->num_inner; r++)
+        previous[r] = previous_film_mass(&first, grid_node_of_row(grid, r), &now) / -STEP;
     settings.tolerance = 1e-12;
     settings.linear_tolerance = 1e-10;
     check_ok(full_solver_create(&solver, &contact_point, grid, &settings, &error));
@@ -154,6 +152,7 @@ static void a_step_of_full_rank_is_one_of_the_full_model(void **state) {
     full_state_free(&full);
     full_solver_free(solver);
     previous_film_free(&first);
+    film_carrier_free(&carrier);
     marching_free(&self);
     reduced_basis_free(&nodes);
     free(previous);
