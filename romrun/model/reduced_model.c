@@ -32,6 +32,12 @@ grid_position reduced_model_position(const reduced_model *model, size_t node) {
     return (grid_position){reduced_model_line(model, node), reduced_model_column(model, node)};
 }
 
+size_t reduced_model_row(const reduced_model *model, size_t node) {
+    for (size_t r = 0; r < model->rows.num_rows; r++)
+        if (model->rows.node[r] == node) return r;
+    return NO_NODE;
+}
+
 size_t reduced_model_nearest_row(const reduced_model *model, size_t node, const double *influence) {
     const row_set *rows = &model->rows;
     const grid_position here = reduced_model_position(model, node);

@@ -287,6 +287,9 @@ grid_position reduced_model_position(const reduced_model *model, size_t node);
 /* Checks whether a grid line has nodes in the band. Only boundary lines have no nodes in it. */
 bool reduced_model_has_band(const reduced_model *model, size_t line);
 
+/* Returns the index of the selected row at a node, or NO_NODE. */
+size_t reduced_model_row(const reduced_model *model, size_t node);
+
 /* Returns the index of the selected row that is nearest to a node. Rows whose `influence`, [rows],
  * is 0 are ignored. If `influence` is NULL, no row is ignored. Returns 0 if all are ignored. */
 size_t reduced_model_nearest_row(const reduced_model *model, size_t node, const double *influence);

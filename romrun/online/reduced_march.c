@@ -34,7 +34,7 @@ typedef struct error_estimate {
     // centre, used with transport along the path
     size_t num_way;
     size_t *way;     // [num_way] nodes
-    size_t *way_row; // [num_way] row at the node, or NO_ROW
+    size_t *way_row; // [num_way] row at the node, or NO_NODE
     double *x;       // [num_way] X of the place
     double *missed;  // [num_way] solution minus prediction of rho H (bdf_march_missed)
     // `changed`, [num_way]: change of the last accepted rho H that the filter causes; `changed_x`,
@@ -42,8 +42,6 @@ typedef struct error_estimate {
     double *changed, *changed_x;
     double *way_mass; // [num_way] rho H at the place; infinite where no error is estimated
 } error_estimate;
-
-static const size_t NO_ROW = SIZE_MAX;
 
 /* Equations for conditions that differ a little from the conditions of the attempt. */
 typedef struct march_beside {
@@ -132,13 +130,12 @@ static void sort_rows(reduced_march *self) {
 
 static void allocate_arrays(reduced_march *self) {
     size_t num_rows = self->model->rows.num_rows, num_band = self->model->band.num_nodes;
-    size_t num_lines = self->model->band.num_lines;
+    size_t num_lines = self->model->band.num_lines, width = grid_width(&self->model->grid);
+    error_estimate *estimate = &self->estimate;
     arena *memory = &self->memory;
 
     self->previous.ascending = arena_array(memory, num_rows, sizeof *self->previous.ascending);
     self->previous.sum = arena_array(memory, num_rows, sizeof(double));
-    self->estimate.pressure = arena_array(memory, num_rows, sizeof(double));
-    self->estimate.end = arena_array(memory, num_lines, sizeof *self->estimate.end);
     self->previous.band_attempt =
         arena_array(memory, num_band, sizeof *self->previous.band_attempt);
     self->previous.band_sum = arena_array(memory, num_band, sizeof(double));
@@ -147,6 +144,15 @@ static void allocate_arrays(reduced_march *self) {
     self->band_entrained = arena_array(memory, num_band, sizeof(double));
     for (int i = 0; i < 2; i++)
         self->beside[i].sum = arena_array(memory, num_rows, sizeof(double));
+    estimate->pressure = arena_array(memory, num_rows, sizeof(double));
+    estimate->end = arena_array(memory, num_lines, sizeof *estimate->end);
+    estimate->way = arena_array(memory, width, sizeof *estimate->way);
+    estimate->way_row = arena_array(memory, width, sizeof *estimate->way_row);
+    estimate->x = arena_array(memory, width, sizeof(double));
+    estimate->missed = arena_array(memory, width, sizeof(double));
+    estimate->changed = arena_array(memory, width, sizeof(double));
+    estimate->changed_x = arena_array(memory, width, sizeof(double));
+    estimate->way_mass = arena_array(memory, width, sizeof(double));
 }
 
 static bool is_along_path(const reduced_march *self) {
@@ -163,43 +169,24 @@ static bool estimates_minimum(const reduced_march *self) {
 /* Finds the places of the way to the centre (error_estimate). The places are the nodes of rows on
  * the central grid line. If two such nodes are farther apart than `widest`, nodes between them are
  * added. */
-static bool find_way(reduced_march *self) {
+static void find_way(reduced_march *self) {
     // Largest distance between two places, half widths (common/time/README.md, Along the path).
     const double widest = 0.05;
-    const reduced_model *model = self->model;
-    const ehd_grid *grid = &model->grid;
+    const ehd_grid *grid = &self->model->grid;
     const size_t begin = grid_central_line(grid), end = begin + grid_width(grid) - 1;
     error_estimate *estimate = &self->estimate;
-    size_t *row_of = malloc(grid_width(grid) * sizeof *row_of);
-
-    estimate->way = arena_array(&self->memory, grid_width(grid), sizeof *estimate->way);
-    estimate->way_row = arena_array(&self->memory, grid_width(grid), sizeof *estimate->way_row);
-    estimate->x = arena_array(&self->memory, grid_width(grid), sizeof(double));
-    estimate->missed = arena_array(&self->memory, grid_width(grid), sizeof(double));
-    estimate->changed = arena_array(&self->memory, grid_width(grid), sizeof(double));
-    estimate->changed_x = arena_array(&self->memory, grid_width(grid), sizeof(double));
-    estimate->way_mass = arena_array(&self->memory, grid_width(grid), sizeof(double));
-    if (!row_of || self->memory.failed) {
-        free(row_of);
-        return false;
-    }
-    for (size_t c = 0; c < grid_width(grid); c++)
-        row_of[c] = NO_ROW;
-    for (size_t r = 0; r < model->rows.num_rows; r++)
-        if (model->rows.node[r] > begin && model->rows.node[r] < end)
-            row_of[model->rows.node[r] - begin] = r;
     size_t last = begin; // last place found
+
     for (size_t k = begin + 1; k < end && grid_x(grid, k) <= grid->step; k++) {
-        const bool taken = row_of[k - begin] != NO_ROW;
+        const size_t row = reduced_model_row(self->model, k);
         if (grid_x(grid, k) < -1) continue;
-        if (!taken && estimate->num_way > 0 && grid_x(grid, k + 1) - grid_x(grid, last) <= widest)
+        if (row == NO_NODE && estimate->num_way > 0 &&
+            grid_x(grid, k + 1) - grid_x(grid, last) <= widest)
             continue;
         estimate->way[estimate->num_way] = last = k;
         estimate->x[estimate->num_way] = grid_x(grid, k);
-        estimate->way_row[estimate->num_way++] = row_of[k - begin];
+        estimate->way_row[estimate->num_way++] = row;
     }
-    free(row_of);
-    return true;
 }
 
 static bool is_of_stationary_scenes(const reduced_states *states) {
@@ -284,7 +271,7 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     self->functionals = functionals_create(model);
     bool whole = self->range_memory && self->functionals && !self->memory.failed;
     if (whole) sort_rows(self);
-    whole = whole && (!is_along_path(self) || find_way(self));
+    if (whole && is_along_path(self)) find_way(self);
     status = whole ? reduced_solver_create(&self->solver, model, &in_time, error)
                    : ehd_no_memory(error, "online solver");
     if (!status) status = reduced_state_init(&self->factors.state, model, error);
@@ -864,7 +851,7 @@ static void miss_on_the_way(reduced_march *self) {
         estimate->missed[i] = 0;
         estimate->way_mass[i] = INFINITY;
         if (!is_before_exit(self, node)) continue;
-        if (r == NO_ROW) {
+        if (r == NO_NODE) {
             estimate->missed[i] = missed_at(&estimate->way_mass[i], self, node);
         } else {
             estimate->missed[i] = bdf_march_missed(&self->bdf, r);

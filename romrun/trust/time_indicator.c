@@ -52,15 +52,6 @@ static void choose_nodes(time_indicator *self) {
         add_node(self, ENTRY + (CONSTRICTION - ENTRY) * (double)i / NUM_EACH);
 }
 
-/* Returns the model's row at a control node, or NO_NODE. */
-static size_t find_row(const time_indicator *self, size_t i) {
-    const row_set *rows = &self->model->rows;
-
-    for (size_t r = 0; r < rows->num_rows; r++)
-        if (rows->node[r] == self->node[i]) return r;
-    return NO_NODE;
-}
-
 static int compare_indices(const void *a, const void *b) {
     const size_t p = *(const size_t *)a, q = *(const size_t *)b;
 
@@ -142,7 +133,7 @@ void time_indicator_place(time_indicator *self, const reduced_state *state) {
         const size_t i = self->num_nodes + self->num_at_exit;
         self->num_at_exit++;
         self->node[i] = first + c;
-        self->row[i] = find_row(self, i);
+        self->row[i] = reduced_model_row(model, self->node[i]);
         self->stencils[i] = reynolds_stencil_at(&model->grid, first + c);
         for (size_t a = 0; a < NUM_STENCIL; a++) {
             size_t *node = &self->stencils[i].node[a];
@@ -178,7 +169,7 @@ ehd_status time_indicator_init(time_indicator *self, const reduced_model *model,
     }
     choose_nodes(self);
     for (size_t i = 0; i < self->num_nodes; i++)
-        self->row[i] = find_row(self, i);
+        self->row[i] = reduced_model_row(model, self->node[i]);
     list_needed(self);
     return EHD_OK;
 }
