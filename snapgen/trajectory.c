@@ -25,8 +25,6 @@ typedef struct task {
     const reduced_model *model;
     const film_splines *splines;
     trajectories *result;
-    // [num_trajectories], read before the threads start, since HDF5 is for one thread only
-    ehd_histories **histories;
     pod_basis *first, *second; // [num_trajectories] PODs that are not merged yet
     bool *done;                // [num_trajectories]
     size_t num_merged;
@@ -174,26 +172,17 @@ static void end_run(trajectory_run *self) {
 
 /* Marches to the end time. `reason`: why the march did not reach this time, or why a march of the
  * full model is not to be trusted; else "". */
-static ehd_status march_to_end(char reason[MARCH_REASON], trajectory_run *self, const scene *given,
-                               ehd_error *error) {
-    march run = {.reference = reference_of(self),
+static ehd_status march_to_end(char reason[MARCH_REASON], trajectory_run *self,
+                               const trajectory_scene *of, ehd_error *error) {
+    march run = {.reference = &of->contact,
+                 .histories = of->histories,
+                 .settings = march_settings_of(&of->scene, of->histories, of->scene.approach),
                  .solver = self->full ? full_march_solver(self->full)
                                       : reduced_march_solver(self->reduced),
                  .store = self->full ? store_full : store_reduced,
                  .sink = self};
-    const ehd_histories *histories = self->owner->histories[self->number];
-    march_step first;
-    ehd_status outcome = EHD_OK, status;
+    const ehd_status status = march_whole(reason, &run, error);
 
-    reason[0] = '\0';
-    run.histories = histories;
-    run.settings = march_settings_of(given, histories, given->approach);
-    status = march_begin(&first, &run, error);
-    if (!status && first.status == EHD_NOT_CONVERGED)
-        snprintf(reason, MARCH_REASON, "start: %s", first.reason);
-    if (!status && !reason[0]) status = run.store(self, &first, 0, error);
-    if (!status && !reason[0]) status = march_run(&outcome, &run, error);
-    if (!status && outcome) memcpy(reason, run.reason, MARCH_REASON);
     // an untrusted march of the full model is no solution. An untrusted march of the reduced model
     // is kept, since the online solver may meet such states
     if (!status && !reason[0] && self->full) memcpy(reason, run.untrusted, MARCH_REASON);
@@ -224,14 +213,15 @@ static ehd_status finish(pod_basis *result, pod_stream *stream, ehd_error *error
 static ehd_status solve_trajectory(void *shared, void *worker, size_t number, size_t parent,
                                    ehd_error *error) {
     task *owner = shared;
-    const scene *given = &owner->set->trajectories[number].scene;
+    const trajectory_scene *of = &owner->set->trajectories[number];
+    const scene *given = &of->scene;
     trajectory_run self = {.owner = owner, .number = number};
     char reason[MARCH_REASON], name[TRAJECTORY_NAME];
     (void)worker, (void)parent;
 
     ehd_status status =
         owner->model ? begin_reduced(&self, given, error) : begin_full(&self, given, error);
-    if (!status) status = march_to_end(reason, &self, given, error);
+    if (!status) status = march_to_end(reason, &self, of, error);
     if (!status && reason[0]) {
         name_trajectory(name, &self, given);
         owner->result->failed[number] = true;
@@ -306,15 +296,11 @@ static ehd_status run(trajectories *result, task *self, size_t num_workers, ehd_
     self->first = calloc(num, sizeof *self->first);
     self->second = calloc(num, sizeof *self->second);
     self->done = calloc(num, sizeof *self->done);
-    self->histories = calloc(num, sizeof *self->histories);
     self->progress_part = calloc(num, sizeof *self->progress_part);
     pthread_mutex_init(&self->showing, NULL);
     if (!result->kept || !result->failed || !self->first || !self->second || !self->done ||
-        !self->histories || !self->progress_part)
+        !self->progress_part)
         status = ehd_no_memory(error, "trajectories");
-    for (size_t t = 0; t < num && !status; t++)
-        status =
-            histories_init_training(&self->histories[t], &self->set->trajectories[t].scene, error);
     if (!status) status = pod_stream_create(&self->all_first, width, &compression_stream, error);
     if (!status && self->model)
         status = pod_stream_create(&self->all_second, width, &compression_stream, error);
@@ -324,11 +310,9 @@ static ehd_status run(trajectories *result, task *self, size_t num_workers, ehd_
     for (size_t t = 0; t < num; t++) {
         if (self->first) pod_free(&self->first[t]);
         if (self->second) pod_free(&self->second[t]);
-        if (self->histories) histories_free(self->histories[t]);
     }
     pthread_mutex_destroy(&self->showing);
     free(self->progress_part);
-    free(self->histories);
     free(self->first);
     free(self->second);
     free(self->done);

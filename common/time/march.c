@@ -565,3 +565,18 @@ ehd_status march_run(ehd_status *outcome, march *self, ehd_error *error) {
     *outcome = self->reason[0] ? EHD_NOT_CONVERGED : EHD_OK;
     return status;
 }
+
+ehd_status march_whole(char reason[MARCH_REASON], march *self, ehd_error *error) {
+    march_step first;
+    ehd_status outcome = EHD_OK, status = march_begin(&first, self, error);
+
+    reason[0] = '\0';
+    if (!status && first.status == EHD_NOT_CONVERGED) {
+        snprintf(reason, MARCH_REASON, "start: %s", first.reason);
+        return EHD_OK;
+    }
+    if (!status) status = self->store(self->sink, &first, 0, error);
+    if (!status) status = march_run(&outcome, self, error);
+    if (!status && outcome) memcpy(reason, self->reason, MARCH_REASON);
+    return status;
+}

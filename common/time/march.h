@@ -186,4 +186,8 @@ ehd_status march_begin(march_step *outcome, march *self, ehd_error *error);
  * are errors. */
 ehd_status march_run(ehd_status *outcome, march *self, ehd_error *error);
 
+/* Marches from the start to end_time, and stores the start and all steps. `reason`: why the march
+ * did not start or did not reach end_time, or "". Errors: as of march_run. */
+ehd_status march_whole(char reason[MARCH_REASON], march *self, ehd_error *error);
+
 #endif

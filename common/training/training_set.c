@@ -78,16 +78,14 @@ static ehd_status read_histories(training_set *set, const char *plan_path, ehd_e
     ehd_status status = EHD_OK;
 
     for (size_t t = 0; t < set->num_trajectories && !status; t++) {
-        ehd_histories *histories = NULL;
         ehd_error cause = {""};
         trajectory_scene *moving = &set->trajectories[t];
-        status = histories_init_training(&histories, &moving->scene, &cause);
+        status = histories_init_training(&moving->histories, &moving->scene, &cause);
         if (status)
             ehd_fail(error, status, "%s: %s", plan_path, cause.text);
         else
-            moving->needed =
-                time_grid_extent(histories, &moving->contact, moving->scene.transient.end_time);
-        histories_free(histories);
+            moving->needed = time_grid_extent(moving->histories, &moving->contact,
+                                              moving->scene.transient.end_time);
     }
     return status;
 }
@@ -356,8 +354,11 @@ static void keep_trajectories(training_set *set, size_t num_branches, shard piec
     size_t turn = has_points ? num_without + before : piece.number - 1 - before;
     size_t count = 0;
 
-    for (size_t t = turn; t < set->num_trajectories; t += piece.total)
-        set->trajectories[count++] = set->trajectories[t];
+    for (size_t t = 0; t < set->num_trajectories; t++)
+        if (t % piece.total == turn)
+            set->trajectories[count++] = set->trajectories[t];
+        else
+            histories_free(set->trajectories[t].histories);
     set->num_trajectories = count;
 }
 
@@ -443,6 +444,8 @@ const char **training_inputs(const training_set *set, const char *plan_path,
 }
 
 void training_set_free(training_set *set) {
+    for (size_t t = 0; t < set->num_trajectories; t++)
+        histories_free(set->trajectories[t].histories);
     free(set->text);
     free(set->contacts);
     free(set->numbers);

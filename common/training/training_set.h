@@ -7,6 +7,7 @@
 
 #include "common/physics/contact.h"
 #include "common/settings/scene.h"
+#include "common/time/history.h"
 #include "common/training/tree.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -21,8 +22,9 @@ typedef struct shard {
 typedef struct trajectory_scene {
     size_t number; // number of the point in the plan
     scene scene;
-    ehd_contact contact; // contact in its reference state
-    grid_extent needed;  // extent of the grid that the trajectory needs for all times
+    ehd_histories *histories; // read with the plan, so that threads need no HDF5
+    ehd_contact contact;      // contact in its reference state
+    grid_extent needed;       // extent of the grid that the trajectory needs for all times
 } trajectory_scene;
 
 typedef struct training_set {

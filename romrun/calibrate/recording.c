@@ -12,8 +12,6 @@ typedef struct recorder {
     const program *caller;
     const training_set *set;
     recording *recordings; // [num_trajectories]
-    // [num_trajectories]; read before the threads start, because HDF5 is not thread-safe
-    ehd_histories **histories;
     size_t num_done;
     progress progress;
 } recorder;
@@ -54,26 +52,10 @@ static ehd_status store_step(void *sink, const march_step *step, size_t index, e
     return EHD_OK;
 }
 
-static ehd_status record(trajectory_run *self, ehd_error *error) {
-    recording *target = self->target;
-    march_step first;
-    ehd_status outcome = EHD_OK, status = march_begin(&first, &self->march, error);
-
-    if (!status && first.status == EHD_NOT_CONVERGED) {
-        snprintf(target->reason, MARCH_REASON, "start: %s", first.reason);
-        return EHD_OK;
-    }
-    if (!status) status = store_step(self, &first, 0, error);
-    if (!status) status = march_run(&outcome, &self->march, error);
-    if (!status && outcome) memcpy(target->reason, self->march.reason, MARCH_REASON);
-    return status;
-}
-
 static ehd_status record_trajectory(void *shared, void *worker, size_t number, size_t parent,
                                     ehd_error *error) {
     recorder *owner = shared;
     const trajectory_scene *given = &owner->set->trajectories[number];
-    const ehd_histories *histories = owner->histories[number];
     full_settings settings = full_default_settings();
     full_march *full = NULL;
     trajectory_run self = {.target = &owner->recordings[number]};
@@ -84,14 +66,14 @@ static ehd_status record_trajectory(void *shared, void *worker, size_t number, s
     ehd_status status = full_march_create(&full, &given->contact, &settings,
                                           given->scene.transient.start_film, error);
     if (status) return status;
-    self.march =
-        (march){.reference = &given->contact,
-                .histories = histories,
-                .settings = march_settings_of(&given->scene, histories, given->scene.approach),
-                .solver = full_march_solver(full),
-                .store = store_step,
-                .sink = &self};
-    status = record(&self, error);
+    self.march = (march){
+        .reference = &given->contact,
+        .histories = given->histories,
+        .settings = march_settings_of(&given->scene, given->histories, given->scene.approach),
+        .solver = full_march_solver(full),
+        .store = store_step,
+        .sink = &self};
+    status = march_whole(self.target->reason, &self.march, error);
     full_march_free(full);
     return status;
 }
@@ -122,20 +104,12 @@ ehd_status recordings_make(recording *recordings, const program *caller, const t
                             .shared = &self,
                             .solve = record_trajectory,
                             .finish = finish_trajectory};
-    ehd_status status = EHD_OK;
 
     if (num == 0) return EHD_OK;
-    self.histories = calloc(num, sizeof *self.histories);
-    if (!self.histories) return ehd_no_memory(error, "trajectories");
-    for (size_t t = 0; t < num && !status; t++)
-        status = histories_init_training(&self.histories[t], &set->trajectories[t].scene, error);
     progress_start(&self.progress, caller, num);
     self.progress.rest = NAN;
-    if (!status) status = pool_run(&work, error);
+    const ehd_status status = pool_run(&work, error);
     progress_finish(&self.progress);
-    for (size_t t = 0; t < num; t++)
-        histories_free(self.histories[t]);
-    free(self.histories);
     return status;
 }
 
