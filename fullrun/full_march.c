@@ -39,7 +39,6 @@ struct full_march {
     double *surface;   // [num_nodes] surface heights in the last attempt's frame; NULL: smooth
     bool mirrored;     // X of the surface is mirrored (find_mirrored_start)
     double *exits;     // [lines of the whole grid, GRID_EXITS] X of the last attempt's exits
-    full_march_effort effort;
     char reason[JUDGE_REASON];
     arena memory;
 };
@@ -98,6 +97,7 @@ static void set_bdf_march(full_march *self) {
     bdf_march_init(bdf, grid->num_inner, &self->memory);
     bdf->model = &model;
     bdf->reference = &self->reference;
+    bdf->effort.seconds_exit = NAN;
     bdf->masses.node = node;
     for (size_t i = 0; i < NUM_BDF_PLACES; i++)
         bdf->frame[i] = &self->states[i].frame;
@@ -148,10 +148,11 @@ static previous_state *state_before(full_march *self, size_t steps) {
 }
 
 static void add_effort(full_march *self, const full_info *info) {
-    self->effort.seconds_rows += info->seconds_rows;
-    self->effort.seconds_linear += info->seconds_linear;
-    self->effort.newton_iterations += info->newton_iterations;
-    self->effort.gmres_iterations += info->gmres_iterations;
+    march_effort *effort = &self->bdf.effort;
+
+    effort->seconds_rows += info->seconds_rows;
+    effort->seconds_linear += info->seconds_linear;
+    effort->iterations += info->newton_iterations;
 }
 
 // ---- the start
@@ -885,10 +886,6 @@ static contact_frame load_frame(const void *solver, size_t place) {
 
 bdf_march *full_march_steps(full_march *self) {
     return &self->bdf;
-}
-
-full_march_effort full_march_effort_of(const full_march *self) {
-    return self->effort;
 }
 
 // ---- saving

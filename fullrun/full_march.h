@@ -38,11 +38,4 @@ const full_state *full_march_state(const full_march *self, const contact_frame *
  * march of another model, or to give states to that march. */
 bdf_march *full_march_steps(full_march *self);
 
-/* Effort of the march so far; computing times in seconds. */
-typedef struct full_march_effort {
-    double seconds_rows, seconds_linear;
-    size_t newton_iterations, gmres_iterations;
-} full_march_effort;
-full_march_effort full_march_effort_of(const full_march *self);
-
 #endif

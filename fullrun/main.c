@@ -473,14 +473,6 @@ static ehd_status run_stationary(const program *caller, const fullrun_options *o
     return status;
 }
 
-static void march_effort(double *rows, double *linear, double *exit, const void *solver) {
-    full_march_effort effort = full_march_effort_of(solver);
-
-    *rows = effort.seconds_rows;
-    *linear = effort.seconds_linear;
-    *exit = NAN;
-}
-
 static ehd_status run_transient(const program *self, const fullrun_options *options,
                                 const ehd_contact *contact, const scene *given, const char *text,
                                 ehd_error *error) {
@@ -510,8 +502,7 @@ static ehd_status run_transient(const program *self, const fullrun_options *opti
                                     .solver = full_march_solver(in_time),
                                     .with_fields = given->output.fields != 0,
                                     .allow_untrusted = options->allow_untrusted,
-                                    .resume = options->resume,
-                                    .effort = march_effort};
+                                    .resume = options->resume};
         status = time_run(NULL, &task, error);
     }
     if (!status && options->formulas)

@@ -525,7 +525,6 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                     .allow_untrusted = options->allow_untrusted,
                                     .advice = again == AGAIN_IF_POOR ? NULL : advice(options),
                                     .untrusted = mixed ? NULL : unchecked,
-                                    .effort = mixed ? fallback_march_effort : online_march_effort,
                                     .share = mixed ? fallback_march_share : NULL};
         status = time_run(options->against ? &trace : NULL, &task, error);
     }

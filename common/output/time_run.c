@@ -113,13 +113,13 @@ static ehd_status trace_read(time_trace *trace, artefact *file, size_t num_entri
 /* Returns the totals. Their seconds also include this run up to `now`. */
 static run_totals totals_at(const runner *self, double now) {
     run_totals totals = self->totals;
-    double rows, linear, exit;
+    const march_solver *solver = &self->task->solver;
+    const march_effort effort = solver->effort(solver->self);
 
-    self->task->effort(&rows, &linear, &exit, self->task->solver.self);
     totals.seconds += now - self->started - self->writing;
-    totals.seconds_rows += rows;
-    totals.seconds_linear += linear;
-    totals.seconds_exit += exit;
+    totals.seconds_rows += effort.seconds_rows;
+    totals.seconds_linear += effort.seconds_linear;
+    totals.seconds_exit += effort.seconds_exit;
     return totals;
 }
 

@@ -42,9 +42,6 @@ typedef struct time_run_task {
     time_run_again again;
     const char *advice;    // advice after the message on untrusted steps; NULL: no advice
     const char *untrusted; // why no entry is to be trusted; NULL: each step is judged by itself
-    /* Returns the seconds that this solver has spent on parts of the work so far; NaN: the part is
-     * not measured. */
-    void (*effort)(double *rows, double *linear, double *exit, const void *solver);
     /* Returns the contribution of the full model; NULL: the solver has no fallback. */
     time_run_share (*share)(const void *solver);
 } time_run_task;

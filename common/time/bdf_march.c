@@ -443,6 +443,12 @@ static ehd_status fields(double *pressure, double *film, void *solver, ehd_error
     return EHD_OK;
 }
 
+static march_effort effort(const void *solver) {
+    const bdf_march *self = solver;
+
+    return self->effort;
+}
+
 march_solver bdf_march_solver(bdf_march *self) {
     const bdf_model *model = self->model;
 
@@ -457,5 +463,6 @@ march_solver bdf_march_solver(bdf_march *self) {
                           .restore = restore,
                           .fields = fields,
                           .exits = model->exits,
-                          .traction = model->traction};
+                          .traction = model->traction,
+                          .effort = effort};
 }

@@ -49,6 +49,13 @@ typedef struct march_step {
 /* Marks a solved step as EHD_UNTRUSTED. If `reason` is NULL, the step stays unchanged. */
 void march_distrust(march_step *self, const char *reason);
 
+/* Effort of a solver so far, also for steps that were not accepted. Times in seconds; NaN: not
+ * measured. */
+typedef struct march_effort {
+    double seconds_rows, seconds_linear, seconds_exit;
+    size_t iterations; // Newton iterations
+} march_effort;
+
 /* A solver that can take steps. `self` is the solver's own data. */
 typedef struct march_solver {
     void *self;
@@ -88,6 +95,7 @@ typedef struct march_solver {
      * computes the traction from the fields. */
     contact_traction (*traction)(void *self, const ehd_contact *contact,
                                  const contact_scalars *scalars);
+    march_effort (*effort)(const void *self); // only time_run.c calls it
 } march_solver;
 
 typedef struct march_settings {

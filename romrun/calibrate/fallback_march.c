@@ -397,6 +397,18 @@ static void exits(double *positions, const void *solver) {
     last->exits(positions, last->self);
 }
 
+/* Returns the effort of both models. Only the reduced model measures the time for exits. */
+static march_effort effort(const void *solver) {
+    const fallback_march *self = solver;
+    const march_effort full = self->of_full.effort(self->of_full.self);
+    march_effort sum = self->of_reduced.effort(self->of_reduced.self);
+
+    sum.seconds_rows += full.seconds_rows;
+    sum.seconds_linear += full.seconds_linear;
+    sum.iterations += full.iterations;
+    return sum;
+}
+
 march_solver fallback_march_solver(fallback_march *self) {
     return (march_solver){.self = self,
                           .attempt = attempt,
@@ -408,7 +420,8 @@ march_solver fallback_march_solver(fallback_march *self) {
                           .save = save,
                           .restore = restore,
                           .fields = fields,
-                          .exits = exits};
+                          .exits = exits,
+                          .effort = effort};
 }
 
 time_run_share fallback_march_share(const void *solver) {
@@ -419,14 +432,4 @@ time_run_share fallback_march_share(const void *solver) {
                             .seconds_reduced = self->now.seconds_reduced,
                             .since = self->now.since,
                             .reason = self->reason};
-}
-
-void fallback_march_effort(double *rows, double *linear, double *exit, const void *solver) {
-    const fallback_march *self = solver;
-    const reduced_march_effort reduced = parts_march_effort_of(self->reduced);
-    const full_march_effort full = full_march_effort_of(self->full);
-
-    *rows = reduced.seconds_rows + reduced.seconds_previous + full.seconds_rows;
-    *linear = reduced.seconds_linear + full.seconds_linear;
-    *exit = reduced.seconds_exit;
 }

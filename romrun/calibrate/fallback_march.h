@@ -29,9 +29,7 @@ fallback_march *fallback_march_free(fallback_march *self); // accepts and return
 /* Returns the march as a solver for march_run. */
 march_solver fallback_march_solver(fallback_march *self);
 
-/* Return the contribution of the full model to the march, and the seconds that both models together
- * have spent on parts of the work. For `share` and `effort` of time_run_task. */
+/* Returns the contribution of the full model to the march, for `share` of time_run_task. */
 time_run_share fallback_march_share(const void *solver);
-void fallback_march_effort(double *rows, double *linear, double *exit, const void *solver);
 
 #endif

@@ -349,10 +349,9 @@ contact_frame online_transient_frame(const online_transient *transient);
  * over. The error estimates include the error of this transfer. */
 size_t online_transient_part(const online_transient *transient);
 
-/* Return a solver for march_run, and its computing times so far in seconds. march_run chooses the
- * steps itself. Use either march_run or the calls above, not both in turn. */
+/* Returns a solver for march_run. march_run chooses the steps itself. Use either march_run or the
+ * calls above, not both in turn. */
 march_solver online_march(online_transient *transient);
-void online_march_effort(double *rows, double *linear, double *exit, const void *solver);
 
 // ---- derivatives
 

@@ -73,14 +73,6 @@ march_solver online_march(online_transient *self) {
     return parts_march_solver(self->march);
 }
 
-void online_march_effort(double *rows, double *linear, double *exit, const void *solver) {
-    reduced_march_effort effort = parts_march_effort_of(solver);
-
-    *rows = effort.seconds_rows + effort.seconds_previous;
-    *linear = effort.seconds_linear;
-    *exit = effort.seconds_exit;
-}
-
 reduced_march *transient_march_of_attempt(const online_transient *self) {
     return parts_march_part(self->march, self->solved ? parts_march_attempted(self->march)
                                                       : parts_march_accepted(self->march));

@@ -63,20 +63,6 @@ size_t parts_march_num_handed(const parts_march *self) {
     return self->num_handed;
 }
 
-reduced_march_effort parts_march_effort_of(const parts_march *self) {
-    reduced_march_effort sum = {0};
-
-    for (size_t p = 0; p < self->num_parts; p++) {
-        const reduced_march_effort of = reduced_march_effort_of(self->parts[p]);
-        sum.seconds_rows += of.seconds_rows;
-        sum.seconds_linear += of.seconds_linear;
-        sum.seconds_exit += of.seconds_exit;
-        sum.seconds_previous += of.seconds_previous;
-        sum.iterations += of.iterations;
-    }
-    return sum;
-}
-
 // ---- from one part to another
 
 /* Returns the part in whose trained range a frame lies deepest. */
@@ -273,6 +259,21 @@ static contact_traction traction(void *solver, const ehd_contact *contact,
     return of.traction(of.self, contact, scalars);
 }
 
+static march_effort effort(const void *solver) {
+    const parts_march *self = solver;
+    march_effort sum = {0};
+
+    for (size_t p = 0; p < self->num_parts; p++) {
+        const march_solver of = reduced_march_solver(self->parts[p]);
+        const march_effort part = of.effort(of.self);
+        sum.seconds_rows += part.seconds_rows;
+        sum.seconds_linear += part.seconds_linear;
+        sum.seconds_exit += part.seconds_exit;
+        sum.iterations += part.iterations;
+    }
+    return sum;
+}
+
 march_solver parts_march_solver(parts_march *self) {
     bool has_traction = true;
 
@@ -289,5 +290,6 @@ march_solver parts_march_solver(parts_march *self) {
                           .restore = restore,
                           .fields = fields,
                           .traction = has_traction ? traction : NULL,
-                          .exits = exits};
+                          .exits = exits,
+                          .effort = effort};
 }

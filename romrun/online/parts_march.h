@@ -40,7 +40,4 @@ reduced_march *parts_march_choose(parts_march *self, const contact_frame *frame)
  * were not accepted. */
 size_t parts_march_num_handed(const parts_march *self);
 
-/* Returns the sum of the efforts of all parts so far. */
-reduced_march_effort parts_march_effort_of(const parts_march *self);
-
 #endif

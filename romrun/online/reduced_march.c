@@ -94,7 +94,6 @@ struct reduced_march {
     contact_frame load_frame, last_load_frame, rate_frame;
     reduced_info info; // outcome of the attempt
     march_beside beside[2];
-    reduced_march_effort effort;
     arena memory; // memory of all arrays
 };
 
@@ -312,10 +311,12 @@ static previous_film *state_before(reduced_march *self, size_t steps) {
 }
 
 static void add_effort(reduced_march *self, const reduced_info *info) {
-    self->effort.seconds_rows += info->seconds_rows;
-    self->effort.seconds_linear += info->seconds_linear;
-    self->effort.seconds_exit += info->seconds_exit;
-    self->effort.iterations += info->iterations;
+    march_effort *effort = &self->bdf.effort;
+
+    effort->seconds_rows += info->seconds_rows;
+    effort->seconds_linear += info->seconds_linear;
+    effort->seconds_exit += info->seconds_exit;
+    effort->iterations += info->iterations;
 }
 
 // ---- trust
@@ -764,7 +765,7 @@ static void carry_over(reduced_march *self, const contact_frame *frame) {
     const double start = program_seconds();
 
     sum_at_rows(self->previous.sum, self->bdf.masses.previous, self, frame, self->bdf.entrainment);
-    self->effort.seconds_previous += program_seconds() - start;
+    self->bdf.effort.seconds_rows += program_seconds() - start;
 }
 
 /* Returns the weighted sum of previous rho H at a node of a frame. */
@@ -1167,10 +1168,6 @@ static void copy(void *solver, size_t target, size_t source) {
 
 reduced_state reduced_march_state(const reduced_march *self, contact_frame *frame) {
     return reduced_march_state_before(self, 1, frame);
-}
-
-reduced_march_effort reduced_march_effort_of(const reduced_march *self) {
-    return self->effort;
 }
 
 // ---- from and to another solver

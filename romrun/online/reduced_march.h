@@ -101,11 +101,4 @@ void reduced_march_take_indicated(reduced_march *self, const reduced_march *from
  * reduced_march_state_before with `steps` = 0; after a start, with `steps` = 1. */
 frame_equations reduced_march_equations(reduced_march *self);
 
-typedef struct reduced_march_effort {
-    double seconds_rows, seconds_linear, seconds_exit;
-    double seconds_previous; // time to carry previous states into the frame
-    size_t iterations;
-} reduced_march_effort;
-reduced_march_effort reduced_march_effort_of(const reduced_march *self);
-
 #endif

@@ -118,11 +118,11 @@ static void exits(double *positions, const void *solver) {
         positions[i] = NAN;
 }
 
-static void effort(double *rows, double *linear, double *exit_part, const void *solver) {
+static march_effort effort(const void *solver) {
     const stub_solver *self = solver;
-    *rows = (double)self->num_attempts;
-    *linear = 2 * (double)self->num_attempts;
-    *exit_part = NAN;
+    const double attempts = (double)self->num_attempts;
+    return (march_effort){
+        .seconds_rows = attempts, .seconds_linear = 2 * attempts, .seconds_exit = NAN};
 }
 
 // ---- a run, in a separate process because an interruption cannot be undone
@@ -173,9 +173,9 @@ static int run_child(bool resume, bool written) {
                                            .saved_size = saved_size,
                                            .save = save,
                                            .restore = restore,
-                                           .exits = exits},
-                                .resume = resume,
-                                .effort = effort};
+                                           .exits = exits,
+                                           .effort = effort},
+                                .resume = resume};
     ehd_status status = time_run(&trace, &task, &why);
     print_trace(&trace);
     time_trace_free(&trace);
