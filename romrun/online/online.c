@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/online_objects.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 ehd_status online_solver_create(online_solver **solver, const online_model *model,
@@ -51,24 +52,63 @@ ehd_status online_solve(online_result *result, online_solver *solver, const ehd_
 }
 
 online_indications online_indicate(online_solver *solver, const ehd_contact *contact) {
-    return part_indicate(solver->used, contact);
+    const part_solver *used = solver->used;
+    const model_part *model = used->model;
+    const contact_scalars *scalars = &used->scalars;
+    online_indications found;
+
+    for (int q = 0; q < NUM_INDICATED; q++)
+        found.bound[q] = found.deviation[q] = NAN;
+    if (!used->solved) return found;
+    indicator_bound_others(found.bound, used->indicator, used->reduced, &used->state, contact,
+                           scalars);
+    if (contact_has_traction(contact))
+        found.bound[INDICATED_FRICTION] =
+            online_friction_bound(solver, contact, online_traction(solver, contact).friction);
+    for (int q = 0; q < NUM_INDICATED; q++)
+        if (model->other_factor[q] > 0)
+            found.deviation[q] = trade_indicated(model->other_factor[q],
+                                                 model->shape[OF_OTHERS + q], found.bound[q]);
+    if (contact->closure.by_load != 0 && model->indicator_factor > 0)
+        found.deviation[INDICATED_LOAD] =
+            fabs(scalars->load - contact->closure.value / contact->kind->load);
+    return found;
 }
 
 double online_indicate_peak(online_solver *solver) {
-    return part_indicate_peak(solver->used);
+    const part_solver *used = solver->used;
+    const model_part *model = used->model;
+
+    if (!used->solved || !(model->other_factor[INDICATED_PRESSURE] > 0)) return NAN;
+    return trade_indicated(model->other_factor[INDICATED_PRESSURE],
+                           model->shape[OF_OTHERS + INDICATED_PRESSURE],
+                           indicator_bound_peak(used->indicator, used->reduced));
 }
 
 contact_traction online_traction(online_solver *solver, const ehd_contact *contact) {
-    return part_traction(solver->used, contact);
+    const part_solver *used = solver->used;
+
+    if (!used->solved || !part_has_traction(used->model)) return contact_traction_unknown();
+    return reduced_traction(used->reduced, &used->state, contact, &used->scalars);
 }
 
 double online_friction_bound(online_solver *solver, const ehd_contact *contact, double friction) {
-    return part_friction_bound(solver->used, contact, friction);
+    const part_solver *used = solver->used;
+
+    if (friction == 0) return 0; // without sliding the friction is 0 in any model
+    if (!used->solved || !part_has_traction(used->model)) return NAN;
+    return indicator_bound_friction(used->indicator, used->reduced, &used->state, contact,
+                                    friction);
 }
 
 double online_indicate_friction(online_solver *solver, const ehd_contact *contact,
                                 double friction) {
-    return part_indicate_friction(solver->used, contact, friction);
+    const model_part *model = solver->used->model;
+
+    if (!(model->other_factor[INDICATED_FRICTION] > 0)) return NAN;
+    return trade_indicated(model->other_factor[INDICATED_FRICTION],
+                           model->shape[OF_OTHERS + INDICATED_FRICTION],
+                           online_friction_bound(solver, contact, friction));
 }
 
 const ehd_grid *online_solved_grid(const online_solver *solver) {

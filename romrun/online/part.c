@@ -346,59 +346,6 @@ ehd_status part_solve(online_result *result, part_solver *solver, const ehd_cont
     return EHD_OK;
 }
 
-online_indications part_indicate(part_solver *solver, const ehd_contact *contact) {
-    const model_part *model = solver->model;
-    const contact_scalars *scalars = &solver->scalars;
-    online_indications found;
-
-    for (int q = 0; q < NUM_INDICATED; q++)
-        found.bound[q] = found.deviation[q] = NAN;
-    if (!solver->solved) return found;
-    indicator_bound_others(found.bound, solver->indicator, solver->reduced, &solver->state, contact,
-                           scalars);
-    if (contact_has_traction(contact))
-        found.bound[INDICATED_FRICTION] =
-            part_friction_bound(solver, contact, part_traction(solver, contact).friction);
-    for (int q = 0; q < NUM_INDICATED; q++)
-        if (model->other_factor[q] > 0)
-            found.deviation[q] = trade_indicated(model->other_factor[q],
-                                                 model->shape[OF_OTHERS + q], found.bound[q]);
-    if (contact->closure.by_load != 0 && model->indicator_factor > 0)
-        found.deviation[INDICATED_LOAD] =
-            fabs(scalars->load - contact->closure.value / contact->kind->load);
-    return found;
-}
-
-double part_indicate_peak(part_solver *solver) {
-    const model_part *model = solver->model;
-
-    if (!solver->solved || !(model->other_factor[INDICATED_PRESSURE] > 0)) return NAN;
-    return trade_indicated(model->other_factor[INDICATED_PRESSURE],
-                           model->shape[OF_OTHERS + INDICATED_PRESSURE],
-                           indicator_bound_peak(solver->indicator, solver->reduced));
-}
-
 bool part_has_traction(const model_part *model) {
     return model->reduced.cubature.nodes.num_needed > 0;
-}
-
-contact_traction part_traction(part_solver *solver, const ehd_contact *contact) {
-    if (!solver->solved || !part_has_traction(solver->model)) return contact_traction_unknown();
-    return reduced_traction(solver->reduced, &solver->state, contact, &solver->scalars);
-}
-
-double part_friction_bound(part_solver *solver, const ehd_contact *contact, double friction) {
-    if (friction == 0) return 0; // without sliding the friction is 0 in any model
-    if (!solver->solved || !part_has_traction(solver->model)) return NAN;
-    return indicator_bound_friction(solver->indicator, solver->reduced, &solver->state, contact,
-                                    friction);
-}
-
-double part_indicate_friction(part_solver *solver, const ehd_contact *contact, double friction) {
-    const model_part *model = solver->model;
-
-    if (!(model->other_factor[INDICATED_FRICTION] > 0)) return NAN;
-    return trade_indicated(model->other_factor[INDICATED_FRICTION],
-                           model->shape[OF_OTHERS + INDICATED_FRICTION],
-                           part_friction_bound(solver, contact, friction));
 }

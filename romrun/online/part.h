@@ -80,16 +80,10 @@ typedef struct part_solver {
 ehd_status part_solver_init(part_solver *self, const model_part *model, ehd_error *error);
 void part_solver_free(part_solver *self);
 
-/* These functions do for a part what online_solve, online_indicate and so on do for a model. The
- * contact must be on the part's grid. */
+/* Does for a part what online_solve does for a model. The contact must be on the part's grid. */
 ehd_status part_solve(online_result *result, part_solver *solver, const ehd_contact *contact,
                       ehd_error *error);
-online_indications part_indicate(part_solver *solver, const ehd_contact *contact);
-double part_indicate_peak(part_solver *solver);
 bool part_has_traction(const model_part *model);
-contact_traction part_traction(part_solver *solver, const ehd_contact *contact);
-double part_friction_bound(part_solver *solver, const ehd_contact *contact, double friction);
-double part_indicate_friction(part_solver *solver, const ehd_contact *contact, double friction);
 
 /* Checks that a contact has the kind, grid, discretisation and boundary of the model. Returns
  * EHD_OK, or EHD_DATA with both values in the text. */
