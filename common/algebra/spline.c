@@ -41,6 +41,23 @@ spline *spline_free(spline *self) {
     return NULL;
 }
 
+spline **splines_free(spline **splines, size_t count) {
+    for (size_t i = 0; splines && i < count; i++)
+        spline_free(splines[i]);
+    free(splines);
+    return NULL;
+}
+
+spline **splines_create(size_t count, size_t num) {
+    spline **splines = calloc(count, sizeof(spline *));
+
+    for (size_t i = 0; splines && i < count; i++) {
+        splines[i] = spline_create(num);
+        if (!splines[i]) splines = splines_free(splines, count);
+    }
+    return splines;
+}
+
 /* Returns the slope of the chord between the nodes i and i + 1. */
 static double chord(const spline *self, size_t i) {
     return (self->value[i + 1] - self->value[i]) / (self->x[i + 1] - self->x[i]);

@@ -17,6 +17,10 @@ spline *spline_create(size_t num);
 spline *spline_free(spline *self); // accepts and returns NULL
 double spline_bytes(size_t num);
 
+/* Creates `count` splines. Returns NULL when out of memory. */
+spline **splines_create(size_t count, size_t num);
+spline **splines_free(spline **splines, size_t count); // accepts and returns NULL
+
 /* Fits the spline to values at increasing x. Both arrays are [num], and the spline copies them. */
 void spline_fit(spline *self, const double *x, const double *values);
 

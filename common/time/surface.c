@@ -230,14 +230,11 @@ static ehd_status read_table(ehd_surface *self, ehd_error *error) {
 }
 
 static ehd_status fit_lines(ehd_surface *self, ehd_error *error) {
-    self->lines = calloc(self->num_lines, sizeof *self->lines);
-    for (size_t l = 0; self->lines && l < self->num_lines; l++) {
-        self->lines[l] = spline_create(self->num_x);
-        if (!self->lines[l]) break;
+    self->lines = splines_create(self->num_lines, self->num_x);
+    if (!self->lines) return ehd_no_memory(error, self->given.file);
+    for (size_t l = 0; l < self->num_lines; l++)
         spline_fit(self->lines[l], self->x, self->values + l * self->num_x);
-    }
-    if (self->lines && self->lines[self->num_lines - 1]) return EHD_OK;
-    return ehd_no_memory(error, self->given.file);
+    return EHD_OK;
 }
 
 static ehd_status prepare_file(ehd_surface *self, double of_length, double of_height,
@@ -379,9 +376,7 @@ ehd_status surface_init(ehd_surface **result, const scene *given, const ehd_cont
 
 ehd_surface *surface_free(ehd_surface *self) {
     if (!self) return NULL;
-    for (size_t l = 0; self->lines && l < self->num_lines; l++)
-        spline_free(self->lines[l]);
-    free(self->lines);
+    splines_free(self->lines, self->num_lines);
     free(self->x);
     free(self->y);
     free(self->values);
