@@ -8,7 +8,6 @@
 #include "common/time/apart.h"
 #include "common/time/surface.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -123,24 +122,6 @@ static run_totals totals_at(const runner *self, double now) {
     return totals;
 }
 
-/* Saves a text as numbers, one per character. */
-static void save_text(double saved[MARCH_REASON], const char text[MARCH_REASON]) {
-    size_t length = strlen(text);
-
-    for (size_t i = 0; i < MARCH_REASON; i++)
-        saved[i] = i < length ? (unsigned char)text[i] : 0;
-}
-
-static void restore_text(char text[MARCH_REASON], const double saved[MARCH_REASON]) {
-    size_t length = 0;
-
-    while (length + 1 < MARCH_REASON && saved[length] >= 1 && saved[length] <= UCHAR_MAX) {
-        text[length] = (char)(unsigned char)saved[length];
-        length++;
-    }
-    text[length] = '\0';
-}
-
 static ehd_status write_waiting(runner *self, ehd_error *error) {
     ehd_status status =
         self->num_waiting > 0
@@ -172,7 +153,7 @@ static ehd_status checkpoint(runner *self, double now, ehd_error *error) {
     memcpy(self->restart, &self->march.state, sizeof self->march.state);
     self->restart[AT_APPROACH] = self->march.settings.reference_approach;
     memcpy(self->restart + AT_TOTALS, &totals, sizeof totals);
-    save_text(self->restart + AT_UNTRUSTED, self->march.untrusted);
+    march_save_text(self->restart + AT_UNTRUSTED, self->march.untrusted);
     solver->save(self->restart + AT_SOLVER, solver->self);
     self->last_checkpoint = program_seconds();
     return time_result_checkpoint(self->file, self->restart, self->num_written, error);
@@ -295,7 +276,7 @@ static ehd_status resume(bool *resumed, runner *self, ehd_error *error) {
     memcpy(&self->march.state, self->restart, sizeof self->march.state);
     self->march.settings.reference_approach = self->restart[AT_APPROACH];
     memcpy(&self->totals, self->restart + AT_TOTALS, sizeof self->totals);
-    restore_text(self->march.untrusted, self->restart + AT_UNTRUSTED);
+    march_restore_text(self->march.untrusted, self->restart + AT_UNTRUSTED);
     status = solver->restore(solver->self, self->restart + AT_SOLVER, error);
     if (!status && self->trace) status = trace_read(self->trace, self->file, num_entries, error);
     self->num_written = num_entries;

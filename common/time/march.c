@@ -6,6 +6,7 @@
 #include "common/time/surface.h"
 
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -111,6 +112,23 @@ void march_distrust(march_step *self, const char *reason) {
     if (!reason) return;
     self->status = EHD_UNTRUSTED;
     self->reason = reason;
+}
+
+void march_save_text(double saved[MARCH_REASON], const char text[MARCH_REASON]) {
+    size_t length = strlen(text);
+
+    for (size_t i = 0; i < MARCH_REASON; i++)
+        saved[i] = i < length ? (unsigned char)text[i] : 0;
+}
+
+void march_restore_text(char text[MARCH_REASON], const double saved[MARCH_REASON]) {
+    size_t length = 0;
+
+    while (length + 1 < MARCH_REASON && saved[length] >= 1 && saved[length] <= UCHAR_MAX) {
+        text[length] = (char)(unsigned char)saved[length];
+        length++;
+    }
+    text[length] = '\0';
 }
 
 static void watch_trust(march *self, const march_step *outcome) {

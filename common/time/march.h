@@ -140,6 +140,10 @@ typedef struct march_state {
 
 enum { MARCH_REASON = 256 };
 
+/* Save and restore a text as numbers, one per character. */
+void march_save_text(double saved[MARCH_REASON], const char text[MARCH_REASON]);
+void march_restore_text(char text[MARCH_REASON], const double saved[MARCH_REASON]);
+
 typedef struct march {
     march_settings settings;
     const ehd_histories *histories;

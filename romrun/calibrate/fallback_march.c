@@ -3,7 +3,6 @@
 
 #include "common/program/program.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -353,8 +352,7 @@ static void save(double *saved, const void *solver) {
 
     memset(saved, 0, saved_size(self) * sizeof *saved);
     memcpy(saved, &self->now, sizeof self->now);
-    for (size_t i = 0; self->reason[i]; i++)
-        saved[NUM_STANDING + i] = (unsigned char)self->reason[i];
+    march_save_text(saved + NUM_STANDING, self->reason);
     if (self->now.full != 1) self->of_reduced.save(of_reduced, self->of_reduced.self);
     if (self->now.full_states == 1) self->of_full.save(of_full, self->of_full.self);
 }
@@ -366,10 +364,7 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     ehd_status status = EHD_OK;
 
     memcpy(&self->now, saved, sizeof self->now);
-    for (size_t i = 0; i + 1 < MARCH_REASON; i++) {
-        const double code = saved[NUM_STANDING + i];
-        self->reason[i] = code >= 1 && code <= UCHAR_MAX ? (char)(unsigned char)code : '\0';
-    }
+    march_restore_text(self->reason, saved + NUM_STANDING);
     self->base_taken = false;
     if (self->now.full == 1 && self->now.full_states != 1)
         return ehd_fail(error, EHD_DATA, "saved state: found no states of the full model");
