@@ -287,8 +287,7 @@ static ehd_status use_base(void *solver, ehd_error *error) {
     full_march *self = solver;
     previous_state *base = &self->states[BDF_BASE];
 
-    previous_set_base(&self->carrier, base, INFINITY);
-    previous_prepare(base, &self->carrier);
+    previous_set_base(&self->carrier, base);
     return entrain(self->entrained, base, &self->reference, error);
 }
 
@@ -770,10 +769,7 @@ static void copy(void *solver, size_t target, size_t source) {
 static void prepare(void *solver, size_t place, double share) {
     full_march *self = solver;
 
-    if (share == 1)
-        previous_prepare(&self->states[place], &self->carrier);
-    else
-        previous_filter(&self->states[place], share, &self->carrier);
+    previous_prepare(&self->states[place], share, &self->carrier);
 }
 
 /* Finds approach and load at which the bodies touch (march.h). Halves the load as long as the

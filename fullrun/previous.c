@@ -11,24 +11,6 @@
 
 // ---- memory
 
-static spline **free_splines(spline **splines, size_t count) {
-    for (size_t l = 0; splines && l < count; l++)
-        spline_free(splines[l]);
-    free(splines);
-    return NULL;
-}
-
-/* Creates splines of num_nodes nodes. Returns NULL if there is no memory. */
-static spline **make_splines(size_t count, size_t num_nodes) {
-    spline **splines = calloc(count, sizeof(spline *));
-
-    for (size_t l = 0; splines && l < count; l++) {
-        splines[l] = spline_create(num_nodes);
-        if (!splines[l]) splines = free_splines(splines, count);
-    }
-    return splines;
-}
-
 enum { POINTS = 6 }; // nodes per direction from which deflection_beyond interpolates
 
 /* Returns the grid with a margin around it. The margin covers the growth of a contact under 2.25
@@ -59,8 +41,8 @@ ehd_status previous_init(previous_state *self, const ehd_contact *reference, ehd
     self->beyond = malloc(wide.num_nodes * sizeof *self->beyond);
     self->filtered = malloc(grid->num_nodes * sizeof *self->filtered);
     self->num_lines = grid_lines(grid);
-    self->deflection = make_splines(self->num_lines, grid_width(grid));
-    self->pressure = compressible ? make_splines(self->num_lines, grid_width(grid)) : NULL;
+    self->deflection = splines_create(self->num_lines, grid_width(grid));
+    self->pressure = compressible ? splines_create(self->num_lines, grid_width(grid)) : NULL;
     if (self->beyond && self->filtered && self->deflection && (self->pressure || !compressible))
         return EHD_OK;
     previous_free(self);
@@ -72,8 +54,8 @@ void previous_free(previous_state *self) {
     free(self->beyond);
     free(self->filtered);
     self->beyond = self->filtered = NULL;
-    self->deflection = free_splines(self->deflection, self->num_lines);
-    self->pressure = free_splines(self->pressure, self->num_lines);
+    self->deflection = splines_free(self->deflection, self->num_lines);
+    self->pressure = splines_free(self->pressure, self->num_lines);
 }
 
 double previous_bytes(const ehd_contact *reference, size_t num_states) {
@@ -117,7 +99,7 @@ ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *refe
     self->across_values = arena_array(memory, self->num_across, sizeof(double));
     bool across = grid->inner_lines > 1;
     if (across) self->across = spline_create(self->num_across);
-    self->errors = make_splines(grid_lines(grid), width);
+    self->errors = splines_create(grid_lines(grid), width);
     self->wide = wide_grid(grid, &self->margin, &self->side);
     self->deflection = deflection_create(reference->kind, &self->wide);
     if (memory->failed || (across && !self->across) || !self->errors || !self->deflection) {
@@ -136,7 +118,7 @@ ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *refe
 void previous_carrier_free(previous_carrier *self) {
     arena_free(&self->memory);
     spline_free(self->across);
-    free_splines(self->errors, grid_lines(&self->reference.grid));
+    splines_free(self->errors, grid_lines(&self->reference.grid));
     deflection_free(self->deflection);
     path_filter_free(&self->filter);
     memset(self, 0, sizeof *self);
@@ -152,15 +134,12 @@ static void fit_lines(spline **splines, const double *field, const previous_carr
         spline_fit(splines[l], carrier->nodes, field + l * width);
 }
 
-void previous_set_base(previous_carrier *self, const previous_state *base, double until) {
-    const ehd_grid *grid = &self->reference.grid;
-
-    self->base = base;
-    self->base_until = until;
-    memcpy(self->base_film, base->state.film, grid->num_nodes * sizeof(double));
-    for (size_t k = 0; surface_rests(self->reference.surface) && k < grid->num_nodes; k++)
-        self->base_film[k] -=
-            surface_height(self->reference.surface, &base->frame, grid_x(grid, k), grid_y(grid, k));
+/* Computes the film of a state minus the heights of a surface. `surface`: NULL if smooth. */
+static void smooth_film(double *film, const previous_state *state, const ehd_surface *surface,
+                        const ehd_grid *grid) {
+    memcpy(film, state->state.film, grid->num_nodes * sizeof *film);
+    for (size_t k = 0; surface && k < grid->num_nodes; k++)
+        film[k] -= surface_height(surface, &state->frame, grid_x(grid, k), grid_y(grid, k));
 }
 
 /* Checks whether the entrainment of a frame is opposite to the entrainment of the initial state. An
@@ -194,22 +173,13 @@ static void set_values(previous_carrier *self, const double *field, const double
         self->values[k] += base[k];
 }
 
-void previous_prepare(previous_state *self, previous_carrier *carrier) {
-    self->beyond[0] = NAN;
-    previous_filter(self, 1, carrier);
-}
-
-void previous_filter(previous_state *self, double share, previous_carrier *carrier) {
+void previous_prepare(previous_state *self, double share, previous_carrier *carrier) {
     const ehd_grid *grid = &carrier->reference.grid;
     const previous_state *base = previous_base(carrier, &self->frame);
 
-    const ehd_surface *surface = carrier->reference.surface;
-
+    self->beyond[0] = NAN;
     // only the film without the heights of a surface is interpolated and filtered
-    memcpy(self->filtered, self->state.film, grid->num_nodes * sizeof(double));
-    for (size_t k = 0; surface && k < grid->num_nodes; k++)
-        self->filtered[k] -=
-            surface_height(surface, &self->frame, grid_x(grid, k), grid_y(grid, k));
+    smooth_film(self->filtered, self, carrier->reference.surface, grid);
     set_values(carrier, self->filtered, base ? carrier->base_film : NULL, share);
     for (size_t k = 0; k < grid->num_nodes; k++) {
         self->filtered[k] = carrier->values[k] - self->filtered[k];
@@ -221,6 +191,17 @@ void previous_filter(previous_state *self, double share, previous_carrier *carri
     if (!self->pressure) return;
     set_values(carrier, self->state.pressure, base ? base->state.pressure : NULL, share);
     fit_lines(self->pressure, carrier->values, carrier);
+}
+
+void previous_set_base(previous_carrier *self, previous_state *base) {
+    const ehd_surface *surface = self->reference.surface;
+
+    self->base = base;
+    self->base_until = INFINITY;
+    // if the surface moves, the base was solved with smooth surfaces
+    smooth_film(self->base_film, base, surface_rests(surface) ? surface : NULL,
+                &self->reference.grid);
+    previous_prepare(base, 1, self);
 }
 
 static bool is_on_grid(const previous_carrier *self, double x, double y) {
@@ -404,7 +385,7 @@ void previous_mass(double *mass, const previous_state *self, const contact_frame
     const previous_state *base = previous_base(carrier, now);
     add_mass(mass, ratio, self, surface, before, carrier);
     if (!base) return;
-    // if the surface moves, the start was solved with smooth surfaces
+    // if the surface moves, the base was solved with smooth surfaces
     const ehd_surface *of_base = surface_rests(surface) ? surface : NULL;
     add_mass(mass, -ratio, base, of_base, before, carrier);
     add_mass(mass, ratio, base, of_base, here, carrier);

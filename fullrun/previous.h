@@ -61,11 +61,10 @@ void previous_free(previous_state *self);
 /* Returns the bytes of a carrier and of num_states states. */
 double previous_bytes(const ehd_contact *reference, size_t num_states);
 
-/* Sets the base, the initial state of the march. Only the difference of a state from the base is
- * carried along the path of the fluid. The Reynolds rows contain the entrainment of the base
- * (common/time/README.md, Along the path). The caller owns the base and calls previous_prepare for
- * it. `until` is the time T up to which the base is used; INFINITY: this time is not known. */
-void previous_set_base(previous_carrier *self, const previous_state *base, double until);
+/* Prepares and sets the base, the initial state of the march. Only the difference of a state from
+ * the base is carried along the path of the fluid. The Reynolds rows contain the entrainment of the
+ * base (common/time/README.md, Along the path). The caller owns the base. */
+void previous_set_base(previous_carrier *self, previous_state *base);
 
 /* Returns the base for a state in a frame; NULL from the first reversal of the entrainment on. */
 const previous_state *previous_base(const previous_carrier *self, const contact_frame *frame);
@@ -74,12 +73,9 @@ const previous_state *previous_base(const previous_carrier *self, const contact_
  * base. Must be called with the frame of each accepted state. */
 void previous_watch_base(previous_carrier *self, const contact_frame *frame);
 
-/* Computes a state's splines. With transport along the path, filters film and pressure first. */
-void previous_prepare(previous_state *self, previous_carrier *carrier);
-
-/* Computes a prepared state's splines again, with the fraction `share` (0 … 1) of the change that
- * the filter causes. */
-void previous_filter(previous_state *self, double share, previous_carrier *carrier);
+/* Computes a state's splines. With transport along the path, film and pressure are filtered first:
+ * the fraction `share` (0 … 1) of the change that the filter causes is applied. */
+void previous_prepare(previous_state *self, double share, previous_carrier *carrier);
 
 /* Interpolates rho H of a previous state at the inner nodes of frame `now`. With transport along
  * the path, interpolates at the places where the fluid of these nodes was at the time of the

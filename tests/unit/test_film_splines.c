@@ -51,7 +51,7 @@ static void fill_full(previous_state *full, previous_carrier *carrier, const pre
             // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): num_deformation is 0 if NULL
             *film += basis->deformation_modes[k * basis->num_deformation + j] * z[num_pressure + j];
     }
-    previous_prepare(full, carrier);
+    previous_prepare(full, 1, carrier);
 }
 
 static contact_frame frame_under(double load, double radius, double time) {

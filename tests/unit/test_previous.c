@@ -48,7 +48,7 @@ static void carried_init(carried *self, const ehd_contact *reference, const cont
 }
 
 static void carry(carried *self, const contact_frame *now) {
-    previous_prepare(&self->state, &self->carrier);
+    previous_prepare(&self->state, 1, &self->carrier);
     previous_mass(self->mass, &self->state, now, &self->carrier);
 }
 

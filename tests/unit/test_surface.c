@@ -406,7 +406,7 @@ static void a_plug_takes_its_dent_along(void **state) {
                     0.3 + grid_gap(grid, k) + surface_height(surface, &plug.frame, x, y);
                 plug.state.pressure[k] = 0.9;
             }
-            previous_prepare(&plug, &carrier);
+            previous_prepare(&plug, 1, &carrier);
             previous_mass(mass, &plug, &now, &carrier);
             const double density =
                 lubricant_density(&reference.lubricant, 0.9 * reference.hertz_pressure);
