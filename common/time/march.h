@@ -95,7 +95,9 @@ typedef struct march_solver {
      * computes the traction from the fields. */
     contact_traction (*traction)(void *self, const ehd_contact *contact,
                                  const contact_scalars *scalars);
-    march_effort (*effort)(const void *self); // only time_run.c calls it
+    /* Returns the effort of all solutions so far. NULL: the solver only wraps another one, whose
+     * effort it is (apart.h). */
+    march_effort (*effort)(const void *self);
 } march_solver;
 
 typedef struct march_settings {
