@@ -7,7 +7,6 @@
 #include "romrun/model/reduced_cut.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { MAX_MODES = 100000, MAX_STATES = 10000000 };
 
@@ -349,10 +348,4 @@ void flat_model(flat *file, reduced_model *model) {
     if (flat_good(file)) walk_shift(file, model);
     if (flat_good(file)) walk_tables(file, model);
     if (flat_good(file)) walk_cubature(file, model);
-}
-
-void flat_model_free(reduced_model *model) {
-    memset(&model->states, 0, sizeof model->states);
-    model->shown.of = NULL;
-    reduced_model_free(model);
 }

@@ -9,9 +9,7 @@
 #include "romrun/model/reduced_model.h"
 
 /* Writes or reads a model, and checks all indices that it reads. The arrays of a model that was
- * read lie in the flat file, so the file must outlive the model. Free such a model with
- * flat_model_free. */
+ * read lie in the flat file, so the file must outlive the model. */
 void flat_model(flat *file, reduced_model *model);
-void flat_model_free(reduced_model *model);
 
 #endif

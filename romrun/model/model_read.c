@@ -426,7 +426,7 @@ ehd_status model_get(reduced_model *model, artefact *file, const model_sizes *si
     if (!status) status = read_control(model, file, &stored, error);
     if (!status) status = read_cubature(model, file, &stored, error);
     if (!status) status = read_states(model, file, &stored, error);
-    if (!status) status = shown_get(&model->shown, file, error);
+    if (!status) status = shown_get(&model->shown, &model->memory, file, error);
     if (!status) status = reduced_model_complete(model, error);
     if (!status && model->control.num_rows > 0)
         status = reduced_model_complete_control(model, error);

@@ -12,7 +12,6 @@
 void reduced_model_free(reduced_model *model) {
     arena_free(&model->memory);
     reduced_states_free(&model->states);
-    free(model->shown.of);
     memset(model, 0, sizeof *model);
 }
 

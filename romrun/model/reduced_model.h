@@ -45,6 +45,7 @@ typedef struct reduced_states {
     double *rate, *load_rate;
     film_effects *effects;  // [num_states] estimated errors due to the grid of the full model
     lubricant_rises *rises; // [num_states] rises of viscosity and density up to the Hertz pressure
+    arena memory;           // memory of the arrays, unless a flat file owns them
 } reduced_states;
 
 /* Allocates stationary states. All their numbers are zero, except effects and rises, which are
@@ -215,7 +216,7 @@ typedef struct reduced_model {
     start_shift shift;
     shown_lubricants shown; // lubricants of the calibration
     node_cubature cubature;
-    arena memory; // memory of all arrays except the arrays in `states` and `shown`
+    arena memory; // memory of all arrays except the arrays in `states` and in a flat file
 } reduced_model;
 
 /* Builds a model from a list of rows, given as grid nodes in the order of selection. If `rows` is

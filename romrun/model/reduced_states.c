@@ -35,23 +35,22 @@ ehd_status reduced_check_num_rows(size_t num_rows, size_t num_pressure, size_t n
 
 ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t num_lines,
                                size_t num_unknowns, ehd_error *error) {
-    states->num_states = num_states;
-    states->num_lines = num_lines;
-    states->num_unknowns = num_unknowns;
-    states->coordinates = array_new(num_states, num_unknowns, sizeof(double));
-    states->exit = array_new(num_states, num_lines, sizeof *states->exit);
-    states->moes_M = array_new(num_states, 1, sizeof(double));
-    states->alpha_p_H = array_new(num_states, 1, sizeof(double));
-    states->thinning = array_new(num_states, 1, sizeof *states->thinning);
-    states->central_film_thickness = array_new(num_states, 1, sizeof(double));
-    states->stationary = array_new(num_states, 1, sizeof *states->stationary);
-    states->rate = array_new(num_states, 1, sizeof(double));
-    states->load_rate = array_new(num_states, 1, sizeof(double));
-    states->effects = array_new(num_states, 1, sizeof *states->effects);
-    states->rises = array_new(num_states, 1, sizeof *states->rises);
-    if (!states->coordinates || !states->exit || !states->moes_M || !states->alpha_p_H ||
-        !states->thinning || !states->central_film_thickness || !states->stationary ||
-        !states->rate || !states->load_rate || !states->effects || !states->rises) {
+    arena *memory = &states->memory;
+
+    *states = (reduced_states){
+        .num_states = num_states, .num_lines = num_lines, .num_unknowns = num_unknowns};
+    states->coordinates = arena_table(memory, num_states, num_unknowns, sizeof(double));
+    states->exit = arena_table(memory, num_states, num_lines, sizeof *states->exit);
+    states->moes_M = arena_array(memory, num_states, sizeof(double));
+    states->alpha_p_H = arena_array(memory, num_states, sizeof(double));
+    states->thinning = arena_array(memory, num_states, sizeof *states->thinning);
+    states->central_film_thickness = arena_array(memory, num_states, sizeof(double));
+    states->stationary = arena_array(memory, num_states, sizeof *states->stationary);
+    states->rate = arena_array(memory, num_states, sizeof(double));
+    states->load_rate = arena_array(memory, num_states, sizeof(double));
+    states->effects = arena_array(memory, num_states, sizeof *states->effects);
+    states->rises = arena_array(memory, num_states, sizeof *states->rises);
+    if (memory->failed) {
         reduced_states_free(states);
         return ehd_no_memory(error, "reduced model");
     }
@@ -95,17 +94,7 @@ bool reduced_states_have(const reduced_states *states, const ehd_contact *contac
 }
 
 void reduced_states_free(reduced_states *states) {
-    free(states->coordinates);
-    free(states->exit);
-    free(states->moes_M);
-    free(states->alpha_p_H);
-    free(states->thinning);
-    free(states->central_film_thickness);
-    free(states->stationary);
-    free(states->rate);
-    free(states->load_rate);
-    free(states->effects);
-    free(states->rises);
+    arena_free(&states->memory);
     *states = (reduced_states){0};
 }
 

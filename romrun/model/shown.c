@@ -2,7 +2,6 @@
 #include "romrun/model/shown.h"
 
 #include "common/output/columns.h"
-#include "common/program/arena.h"
 
 shown_lubricant shown_of(const ehd_contact *contact, bool in_time) {
     return (shown_lubricant){contact->alpha_p_H,
@@ -31,13 +30,13 @@ ehd_status shown_put(artefact *file, const shown_lubricants *shown, ehd_error *e
                : columns_put(file, columns, 0, shown->of, sizeof *shown->of, shown->count, error);
 }
 
-ehd_status shown_get(shown_lubricants *shown, artefact *file, ehd_error *error) {
+ehd_status shown_get(shown_lubricants *shown, arena *memory, artefact *file, ehd_error *error) {
     const size_t count = artefact_length(file, "shown");
     column columns[NUM_COLUMNS + 1];
 
     list_columns(columns);
-    *shown = (shown_lubricants){0, array_new(count, 1, sizeof *shown->of)};
-    if (!shown->of) return ehd_no_memory(error, artefact_path(file));
+    *shown = (shown_lubricants){0, arena_array(memory, count, sizeof *shown->of)};
+    if (memory->failed) return ehd_no_memory(error, artefact_path(file));
     if (count == 0 || !columns_are_in(file, columns)) return EHD_OK;
     const ehd_status status =
         columns_get(shown->of, sizeof *shown->of, count, columns, file, error);

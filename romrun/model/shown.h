@@ -7,6 +7,7 @@
 
 #include "common/artefact/artefact.h"
 #include "common/physics/contact.h"
+#include "common/program/arena.h"
 #include <stdint.h>
 
 /* The lubricant of a scene or trajectory of the calibration. */
@@ -27,8 +28,8 @@ shown_lubricant shown_of(const ehd_contact *contact, bool in_time);
  * EHD_IO. */
 ehd_status shown_put(artefact *file, const shown_lubricants *shown, ehd_error *error);
 
-/* Reads the shown lubricants of a model file. If the file has none, `count` is 0. The caller frees
- * the array `of` with free(). Errors: EHD_DATA, EHD_MEMORY. */
-ehd_status shown_get(shown_lubricants *shown, artefact *file, ehd_error *error);
+/* Reads the shown lubricants of a model file into an array of the arena `memory`. If the file has
+ * none, `count` is 0. Errors: EHD_DATA, EHD_MEMORY. */
+ehd_status shown_get(shown_lubricants *shown, arena *memory, artefact *file, ehd_error *error);
 
 #endif

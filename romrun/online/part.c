@@ -101,13 +101,11 @@ ehd_status part_open(model_part *self, const char *path, const model_sizes *size
 
 ehd_status part_show(model_part *self, const shown_lubricants *shown, ehd_error *error) {
     shown_lubricants *own = &self->reduced.shown;
-    shown_lubricant *copy = array_new(shown->count, 1, sizeof *copy);
+    shown_lubricant *copy = arena_array(&self->reduced.memory, shown->count, sizeof *copy);
 
     if (!copy) return ehd_no_memory(error, self->path);
     for (size_t i = 0; i < shown->count; i++)
         copy[i] = shown->of[i];
-    if (!self->flat || self->shows) free(own->of); // a flat file owns its lubricants
-    self->shows = true;
     *own = (shown_lubricants){shown->count, copy};
     trained_range_free(self->range);
     return part_finish(self, error);
@@ -119,16 +117,10 @@ void part_release_file(model_part *self) {
 
 void part_close(model_part *self) {
     part_release_file(self);
-    if (self->flat) {
-        if (self->shows) free(self->reduced.shown.of);
-        flat_model_free(&self->reduced);
-        film_splines_flat_free(&self->splines);
-    } else {
-        reduced_model_free(&self->reduced);
-        film_splines_free(&self->splines);
-        free(self->pressure_basis);
-        free(self->deformation_basis);
-    }
+    reduced_model_free(&self->reduced);
+    film_splines_free(&self->splines);
+    if (!self->flat) free(self->pressure_basis);
+    free(self->deformation_basis);
     trained_range_free(self->range);
     field_modes_free(&self->own_fields);
 }

@@ -19,7 +19,6 @@ typedef struct model_part {
     reduced_model reduced;
     const char *path; // path of its file, for error messages
     bool flat;        // true: a flat file owns the tables and outlives the part
-    bool shows;       // true: the part owns the lubricants of part_show, even if it is flat
     artefact *source; // open HDF5 file with the modes; NULL: a flat model, or the file is closed
     trained_range *range;
     // Results of the calibration. If the numbers of modes and rows in use are not calibrated, the

@@ -9,17 +9,15 @@
 
 #include <math.h>
 #include <stdbool.h>
-#include <stdlib.h>
 #include <string.h>
 
 // ---- tables
 
 /* Makes a table of zeros, followed by work memory for fill_curvatures. */
-static ehd_status make_table(double **table, const spline_layout *layout, ehd_error *error) {
+static double *make_table(arena *memory, const spline_layout *layout) {
     const size_t work = layout->num_columns + layout->num_lines;
 
-    *table = calloc(layout->num_lines * layout->line + work, sizeof **table);
-    return *table ? EHD_OK : ehd_no_memory(error, "splines");
+    return arena_array(memory, layout->num_lines * layout->line + work, sizeof(double));
 }
 
 /* Fills the curvatures of a table, which make_table has made, from its values. */
@@ -66,19 +64,15 @@ static spline_layout layout_of_kernel(const ehd_grid *grid) {
     return layout;
 }
 
-static ehd_status make_kernel_table(film_splines *self, const contact_kind *kind,
-                                    ehd_error *error) {
+static void fill_kernel_table(film_splines *self, const contact_kind *kind) {
     const double step = self->grid.step, across = grid_step_across(&self->grid);
     const spline_layout layout = self->kernel_layout;
-    ehd_status status = make_table(&self->kernel, &layout, error);
 
-    if (status) return status;
     for (size_t l = 0; l < layout.num_lines; l++)
         for (size_t c = 0; c < layout.num_columns; c++)
             self->kernel[l * layout.line + c * layout.column] =
                 deflection_influence(kind, &self->grid, (double)c * step, (double)l * across);
     fill_curvatures(self->kernel, &layout);
-    return EHD_OK;
 }
 
 // ---- the modes
@@ -139,29 +133,27 @@ static size_t film_offset(const reduced_model *model) {
     return is_coupled(model) ? 0 : model->num_pressure;
 }
 
-static ehd_status make_film_table(film_splines *self, const reduced_model *model,
+static ehd_status fill_film_table(film_splines *self, const reduced_model *model,
                                   const double *deformation_basis, ehd_error *error) {
-    ehd_status status = make_table(&self->film, &self->layout, error);
-    if (!status && is_coupled(model))
+    ehd_status status = EHD_OK;
+
+    if (is_coupled(model))
         status = field_modes_fill(self->film, self->layout.column, &self->grid, self->margin,
                                   self->side, &self->fields, model, error);
-    else if (!status)
+    else
         extend_modes(self, model, deformation_basis);
     if (!status) fill_curvatures(self->film, &self->layout);
     return status;
 }
 
-static ehd_status make_pressure_table(film_splines *self, const reduced_model *model,
-                                      ehd_error *error) {
+static void fill_pressure_table(film_splines *self, const reduced_model *model) {
     size_t width = model->num_pressure;
     const spline_layout layout = self->pressure_layout;
-    ehd_status status = make_table(&self->pressure, &layout, error);
 
-    for (size_t k = 0; k < model->grid.num_nodes && !status; k++)
+    for (size_t k = 0; k < model->grid.num_nodes; k++)
         memcpy(self->pressure + k * layout.column, self->fields.pressure + k * width,
                width * sizeof(double));
-    if (!status) fill_curvatures(self->pressure, &layout);
-    return status;
+    fill_curvatures(self->pressure, &layout);
 }
 
 static void lay_out(film_splines *self, const reduced_model *model) {
@@ -189,21 +181,24 @@ ehd_status film_splines_build(film_splines *self, const reduced_model *model,
     ehd_status status = field_modes_init(&self->fields, model, pressure_basis, error);
     if (status) return status;
     lay_out(self, model);
-    status = make_film_table(self, model, deformation_basis, error);
-    if (!status && is_coupled(model))
-        share_deflections(self);
-    else if (!status)
-        status = field_modes_deflect(&self->fields, model, error);
-    if (!status) status = make_pressure_table(self, model, error);
-    if (!status) status = make_kernel_table(self, model->kind, error);
-    if (status) film_splines_free(self);
-    return status;
+    self->film = make_table(&self->memory, &self->layout);
+    self->pressure = make_table(&self->memory, &self->pressure_layout);
+    self->kernel = make_table(&self->memory, &self->kernel_layout);
+    status = self->memory.failed ? ehd_no_memory(error, "splines")
+                                 : fill_film_table(self, model, deformation_basis, error);
+    if (!status && !is_coupled(model)) status = field_modes_deflect(&self->fields, model, error);
+    if (status) {
+        film_splines_free(self);
+        return status;
+    }
+    if (is_coupled(model)) share_deflections(self);
+    fill_pressure_table(self, model);
+    fill_kernel_table(self, model->kind);
+    return EHD_OK;
 }
 
 void film_splines_free(film_splines *self) {
-    free(self->film);
-    free(self->pressure);
-    free(self->kernel);
+    arena_free(&self->memory);
     field_modes_free(&self->fields);
     memset(self, 0, sizeof *self);
 }
@@ -228,30 +223,24 @@ void film_splines_flat(flat *file, film_splines *self, const reduced_model *mode
     if (file->reading && flat_good(file) && is_coupled(model)) share_deflections(self);
 }
 
-void film_splines_flat_free(film_splines *self) {
-    field_modes_free(&self->fields);
-    memset(self, 0, sizeof *self);
-}
-
 // ---- filtered modes
 
-/* Makes a table from the values of another table, filtered along its grid lines. */
-static ehd_status filter_table(double **filtered, const double *table, const spline_layout *layout,
+/* Fills a table with the values of another table, filtered along its grid lines. */
+static ehd_status filter_table(double *filtered, const double *table, const spline_layout *layout,
                                const ehd_grid *grid, double smoothing, ehd_error *error) {
     path_filter filter;
-    ehd_status status = make_table(filtered, layout, error);
+    ehd_status status = path_filter_init(&filter, grid, smoothing, error);
 
-    if (!status) status = path_filter_init(&filter, grid, smoothing, error);
     if (status) return status;
-    memcpy(*filtered, table, layout->num_lines * layout->line * sizeof *table);
+    memcpy(filtered, table, layout->num_lines * layout->line * sizeof *table);
     for (size_t l = 0; l < layout->num_lines; l++)
         for (size_t j = 0; j < layout->width; j++)
-            path_filter_apply(&filter, *filtered + l * layout->line + j, l, layout->column, 1);
+            path_filter_apply(&filter, filtered + l * layout->line + j, l, layout->column, 1);
     path_filter_free(&filter);
     for (size_t c = 0; c < layout->num_columns * layout->num_lines; c++)
-        memset(*filtered + c * layout->column + layout->x_curvature, 0,
-               (layout->column - layout->x_curvature) * sizeof **filtered);
-    fill_curvatures(*filtered, layout);
+        memset(filtered + c * layout->column + layout->x_curvature, 0,
+               (layout->column - layout->x_curvature) * sizeof *filtered);
+    fill_curvatures(filtered, layout);
     return EHD_OK;
 }
 
@@ -259,31 +248,32 @@ ehd_status film_carrier_init(film_carrier *self, const reduced_model *model,
                              const film_splines *splines, const ehd_contact *reference,
                              ehd_error *error) {
     const bool compressible = reference->lubricant.density != NULL;
+    arena *memory = &self->memory;
 
     *self = (film_carrier){.model = model, .splines = splines, .reference = reference};
     if (reference->transport != TRANSPORT_PATH) return EHD_OK;
     const double smoothing = path_filter_length(reference);
     self->base_layout = layout_of_modes(&splines->grid, 1);
     self->base_pressure_layout = layout_of_modes(&model->grid, 1);
-    ehd_status status = filter_table(&self->film, splines->film, &splines->layout, &splines->grid,
-                                     smoothing, error);
-    if (!status) status = make_table(&self->base_film, &self->base_layout, error);
-    if (!status) status = make_table(&self->base_cut, &self->base_layout, error);
+    self->film = make_table(memory, &splines->layout);
+    self->base_film = make_table(memory, &self->base_layout);
+    self->base_cut = make_table(memory, &self->base_layout);
+    if (compressible) {
+        self->pressure = make_table(memory, &splines->pressure_layout);
+        self->base_pressure = make_table(memory, &self->base_pressure_layout);
+    }
+    ehd_status status = memory->failed ? ehd_no_memory(error, "splines")
+                                       : filter_table(self->film, splines->film, &splines->layout,
+                                                      &splines->grid, smoothing, error);
     if (!status && compressible)
-        status = filter_table(&self->pressure, splines->pressure, &splines->pressure_layout,
+        status = filter_table(self->pressure, splines->pressure, &splines->pressure_layout,
                               &model->grid, smoothing, error);
-    if (!status && compressible)
-        status = make_table(&self->base_pressure, &self->base_pressure_layout, error);
     if (status) film_carrier_free(self);
     return status;
 }
 
 void film_carrier_free(film_carrier *self) {
-    free(self->film);
-    free(self->pressure);
-    free(self->base_film);
-    free(self->base_cut);
-    free(self->base_pressure);
+    arena_free(&self->memory);
     memset(self, 0, sizeof *self);
 }
 
@@ -293,46 +283,35 @@ static size_t parts_of(const spline_layout *layout) {
     return layout->num_lines > 1 ? 4 : 2;
 }
 
-static bool init_sums(node_sums *self, const spline_layout *layout) {
+static void init_sums(node_sums *self, const spline_layout *layout, arena *memory) {
     const size_t num_nodes = layout->num_lines * layout->num_columns;
 
     self->layout = layout;
-    self->sum = calloc(num_nodes, parts_of(layout) * sizeof *self->sum);
-    self->of_state = calloc(num_nodes, sizeof *self->of_state);
-    return self->sum && self->of_state;
-}
-
-static void free_sums(node_sums *self) {
-    free(self->sum);
-    free(self->of_state);
+    self->sum = arena_table(memory, num_nodes, parts_of(layout), sizeof *self->sum);
+    self->of_state = arena_array(memory, num_nodes, sizeof *self->of_state);
 }
 
 ehd_status previous_film_init(previous_film *self, const film_carrier *carrier, ehd_error *error) {
     const reduced_model *model = carrier->model;
     const film_splines *splines = carrier->splines;
+    arena *memory = &self->memory;
 
     *self = (previous_film){.carrier = carrier};
-    self->runs = calloc(model->band.num_lines, sizeof *self->runs);
-    self->cut_pressure = calloc(model->band.num_nodes, sizeof(double));
-    self->cut_node = calloc(model->band.num_nodes, sizeof *self->cut_node);
-    self->difference = calloc(model->num_unknowns, sizeof(double));
-    bool whole = init_sums(&self->film, &splines->layout);
-    whole = init_sums(&self->pressure, &splines->pressure_layout) && whole;
-    whole = whole && self->runs && self->cut_pressure && self->cut_node && self->difference;
-    ehd_status status = whole ? reduced_state_init(&self->state, model, error)
-                              : ehd_no_memory(error, "previous state");
+    self->runs = arena_array(memory, model->band.num_lines, sizeof *self->runs);
+    self->cut_pressure = arena_array(memory, model->band.num_nodes, sizeof(double));
+    self->cut_node = arena_array(memory, model->band.num_nodes, sizeof *self->cut_node);
+    self->difference = arena_array(memory, model->num_unknowns, sizeof(double));
+    init_sums(&self->film, &splines->layout, memory);
+    init_sums(&self->pressure, &splines->pressure_layout, memory);
+    ehd_status status = memory->failed ? ehd_no_memory(error, "previous state")
+                                       : reduced_state_init(&self->state, model, error);
     if (!status) status = reduced_values_init(&self->values, model, error);
     if (status) previous_film_free(self);
     return status;
 }
 
 void previous_film_free(previous_film *self) {
-    free(self->runs);
-    free(self->cut_pressure);
-    free(self->cut_node);
-    free(self->difference);
-    free_sums(&self->film);
-    free_sums(&self->pressure);
+    arena_free(&self->memory);
     reduced_state_free(&self->state);
     reduced_values_free(&self->values);
     memset(self, 0, sizeof *self);

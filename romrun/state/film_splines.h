@@ -41,6 +41,7 @@ typedef struct film_splines {
     spline_layout pressure_layout;
     double *pressure;   // [num_nodes of the model, 2 or 4, num_pressure] not cut at an exit
     field_modes fields; // modes on the whole grid; coupled: their deflections are in `film`
+    arena memory;       // memory of the tables, unless a flat file owns them
 } film_splines;
 
 /* Builds the tables. `pressure_basis` [num_nodes, num_pressure] and, for an independent basis,
@@ -54,10 +55,9 @@ ehd_status film_splines_build(
 void film_splines_free(film_splines *splines);
 
 /* Writes the tables to a flat file, or reads them from it. The file owns the tables that were read:
- * free these splines with film_splines_flat_free. */
+ * it must outlive these splines. Free them with film_splines_free, too. */
 void film_splines_flat(flat *file, film_splines *splines, const reduced_model *model,
                        const double *pressure_basis);
-void film_splines_flat_free(film_splines *splines);
 
 struct previous_film;
 
@@ -79,6 +79,7 @@ typedef struct film_carrier {
                            // fields.cut_exits and the exits of the base
     double *base_pressure; // [num_nodes of the model, 2 or 4] sum of the pressure modes, not cut at
                            // the exit; only for compressible lubricants
+    arena memory;
 } film_carrier;
 
 /* Stores the inputs, which must outlive the carrier. With transport along the path, makes the
@@ -132,6 +133,7 @@ typedef struct previous_film {
     // line contacts only:
     size_t window_begin, window_size;                   // first node and size of the window
     double window[EXIT_WINDOW], curvature[EXIT_WINDOW]; // P, 0 behind exits; only if compressible
+    arena memory; // memory of the arrays except the arrays in `state` and `values`
 } previous_film;
 
 /* Allocates the arrays for a state of the carrier's model. The carrier must outlive the state.
