@@ -14,13 +14,13 @@
  * each step. Givens rotations update the QR factors of this system in O(size^2) operations. A new
  * factorisation would take O(size^3).
  * Called by row_choice.c for --method joint, and by exits.c. */
+#include "common/program/arena.h"
 #include "deimselect/selection.h"
 
 #include <cblas.h>
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Interpolation of the next mode of a basis by the modes before it at the selected rows. */
@@ -36,26 +36,16 @@ typedef struct interpolation {
     double *residual;     // [num_nodes] phi of Fig. A1
 } interpolation;
 
-static void interpolation_free(interpolation *self) {
-    free(self->q_transposed);
-    free(self->r);
-    free(self->next_column);
-    free(self->coefficients);
-    free(self->residual);
-}
-
-static bool interpolation_init(interpolation *self, const double *modes, size_t num_nodes,
-                               size_t capacity) {
-    self->num_nodes = num_nodes;
-    self->capacity = capacity;
-    self->modes = modes;
-    self->q_transposed = calloc(capacity * capacity, sizeof *self->q_transposed);
-    self->r = calloc(capacity * capacity, sizeof *self->r);
-    self->next_column = malloc(capacity * sizeof *self->next_column);
-    self->coefficients = malloc(capacity * sizeof *self->coefficients);
-    self->residual = malloc(num_nodes * sizeof *self->residual);
-    return self->q_transposed && self->r && self->next_column && self->coefficients &&
-           self->residual;
+static interpolation interpolation_of(const selection_bases *bases, int basis, size_t capacity,
+                                      arena *memory) {
+    return (interpolation){.num_nodes = bases->num_nodes,
+                           .capacity = capacity,
+                           .modes = bases->modes[basis],
+                           .q_transposed = arena_table(memory, capacity, capacity, sizeof(double)),
+                           .r = arena_table(memory, capacity, capacity, sizeof(double)),
+                           .next_column = arena_array(memory, capacity, sizeof(double)),
+                           .coefficients = arena_array(memory, capacity, sizeof(double)),
+                           .residual = arena_array(memory, bases->num_nodes, sizeof(double))};
 }
 
 /* Solves R a = Q^T b by back substitution, where b is the next mode at the selected rows. If a
@@ -145,18 +135,15 @@ static ehd_status check_bases(const selection_bases *bases, size_t num_rows, ehd
 
 ehd_status selection_joint(size_t *rows, const selection_bases *bases, size_t num_rows,
                            ehd_error *error) {
-    interpolation both[2] = {0};
-    bool *selected = NULL;
+    arena memory = {0};
     ehd_status status = check_bases(bases, num_rows, error);
     if (status || num_rows == 0) return status;
 
-    selected = calloc(bases->num_nodes, sizeof *selected);
-    if (!selected || !interpolation_init(&both[0], bases->modes[0], bases->num_nodes, num_rows) ||
-        !interpolation_init(&both[1], bases->modes[1], bases->num_nodes, num_rows)) {
-        status = ehd_no_memory(error, "row selection");
-        goto done;
-    }
-    for (size_t n = 0; n < num_rows; n++) {
+    bool *selected = arena_array(&memory, bases->num_nodes, sizeof *selected);
+    interpolation both[] = {interpolation_of(bases, 0, num_rows, &memory),
+                            interpolation_of(bases, 1, num_rows, &memory)};
+    if (memory.failed) status = ehd_no_memory(error, "row selection");
+    for (size_t n = 0; n < num_rows && !status; n++) {
         for (size_t basis = 0; basis < 2; basis++) {
             solve_at_selected_rows(&both[basis], rows);
             update_residual(&both[basis]);
@@ -167,9 +154,6 @@ ehd_status selection_joint(size_t *rows, const selection_bases *bases, size_t nu
         rows[n] = row;
         selected[row] = true;
     }
-done:
-    interpolation_free(&both[0]);
-    interpolation_free(&both[1]);
-    free(selected);
+    arena_free(&memory);
     return status;
 }

@@ -11,6 +11,7 @@
  * (Sherman and Morrison) keep these gains and the inverse up to date.
  * Called by row_choice.c for --method sopt. */
 #include "common/algebra/lapack.h"
+#include "common/program/arena.h"
 #include "deimselect/selection.h"
 
 #include <cblas.h>
@@ -41,16 +42,6 @@ typedef struct sampled_basis {
     double *along;       // [num_nodes] modes^T product
     double *growth;      // [num_nodes] factor by which the node's row multiplies prod_j |A_j|^2
 } sampled_basis;
-
-static void sampled_basis_free(sampled_basis *self) {
-    free(self->inverse);
-    free(self->gain);
-    free(self->squares);
-    free(self->row);
-    free(self->product);
-    free(self->along);
-    free(self->growth);
-}
 
 static void gather_row(double *row, const sampled_basis *self, size_t node) {
     cblas_dcopy((int)self->num_modes, self->modes + node, (int)self->num_nodes, row, 1);
@@ -114,23 +105,25 @@ static void scan_modes(sampled_basis *self) {
     }
 }
 
-static ehd_status sampled_basis_init(sampled_basis *self, const double *modes, size_t num_modes,
-                                     size_t num_nodes, const size_t *rows, size_t num_rows,
-                                     ehd_error *error) {
-    self->num_nodes = num_nodes;
-    self->num_modes = num_modes;
-    self->modes = modes;
-    self->inverse = malloc(num_modes * num_modes * sizeof(double));
-    self->gain = malloc(num_nodes * sizeof(double));
-    self->squares = malloc(num_modes * sizeof(double));
-    self->row = malloc(num_modes * sizeof(double));
-    self->product = calloc(num_modes, sizeof(double));
-    self->along = malloc(num_nodes * sizeof(double));
-    self->growth = malloc(num_nodes * sizeof(double));
-    if (!self->inverse || !self->gain || !self->squares || !self->row || !self->product ||
-        !self->along || !self->growth)
-        return ehd_no_memory(error, "row selection");
+static sampled_basis sampled_basis_of(const selection_bases *bases, int basis, arena *memory) {
+    const size_t num_nodes = bases->num_nodes, num_modes = bases->num_modes[basis];
+
+    return (sampled_basis){.num_nodes = num_nodes,
+                           .num_modes = num_modes,
+                           .modes = bases->modes[basis],
+                           .inverse = arena_table(memory, num_modes, num_modes, sizeof(double)),
+                           .gain = arena_array(memory, num_nodes, sizeof(double)),
+                           .squares = arena_array(memory, num_modes, sizeof(double)),
+                           .row = arena_array(memory, num_modes, sizeof(double)),
+                           .product = arena_array(memory, num_modes, sizeof(double)),
+                           .along = arena_array(memory, num_nodes, sizeof(double)),
+                           .growth = arena_array(memory, num_nodes, sizeof(double))};
+}
+
+static ehd_status sampled_basis_start(sampled_basis *self, const size_t *rows, size_t num_rows,
+                                      ehd_error *error) {
     ehd_status status = invert_gram(self, rows, num_rows, error);
+
     if (!status) status = start_gain(self, error);
     if (!status) scan_modes(self);
     return status;
@@ -181,18 +174,15 @@ static selection_bases start_bases(const selection_bases *bases) {
     return start;
 }
 
-/* Selects the rows after the first num_start rows. */
-static ehd_status oversample(size_t *rows, sampled_basis both[2], size_t num_start, size_t num_rows,
-                             ehd_error *error) {
+/* Selects the rows after the first num_start rows. `objective` and `selected`, all false, are work
+ * arrays [num_nodes]. */
+static void oversample(size_t *rows, sampled_basis both[2], size_t num_start, size_t num_rows,
+                       double *objective, bool *selected) {
     const size_t num_nodes = both[0].num_nodes;
-    double *objective = malloc(num_nodes * sizeof *objective);
-    bool *selected = calloc(num_nodes, sizeof *selected);
-    ehd_status status = EHD_OK;
 
-    if (!objective || !selected) status = ehd_no_memory(error, "row selection");
-    for (size_t n = 0; n < num_start && !status; n++)
+    for (size_t n = 0; n < num_start; n++)
         selected[rows[n]] = true;
-    for (size_t n = num_start; n < num_rows && !status; n++) {
+    for (size_t n = num_start; n < num_rows; n++) {
         memset(objective, 0, num_nodes * sizeof *objective);
         for (int basis = 0; basis < 2; basis++)
             add_objective(objective, &both[basis]);
@@ -201,26 +191,26 @@ static ehd_status oversample(size_t *rows, sampled_basis both[2], size_t num_sta
         for (int basis = 0; basis < 2; basis++)
             add_row(&both[basis], rows[n]);
     }
-    free(objective);
-    free(selected);
-    return status;
 }
 
 ehd_status selection_s_opt(size_t *rows, const selection_bases *bases, size_t num_rows,
                            ehd_error *error) {
-    sampled_basis both[2] = {{0}, {0}};
     const selection_bases start = start_bases(bases);
     const size_t num_start = num_rows < start.num_modes[0] ? num_rows : start.num_modes[0];
 
     if (num_rows > bases->num_nodes)
         return ehd_fail(error, EHD_DATA, "rows: found %zu, expected at most %zu, the nodes",
                         num_rows, bases->num_nodes);
-    ehd_status status = selection_pivoted_qr(rows, &start, num_start, error);
+    arena memory = {0};
+    sampled_basis both[] = {sampled_basis_of(bases, 0, &memory),
+                            sampled_basis_of(bases, 1, &memory)};
+    double *objective = arena_array(&memory, bases->num_nodes, sizeof *objective);
+    bool *selected = arena_array(&memory, bases->num_nodes, sizeof *selected);
+    ehd_status status = memory.failed ? ehd_no_memory(error, "row selection")
+                                      : selection_pivoted_qr(rows, &start, num_start, error);
     for (int basis = 0; basis < 2 && !status; basis++)
-        status = sampled_basis_init(&both[basis], bases->modes[basis], bases->num_modes[basis],
-                                    bases->num_nodes, rows, num_start, error);
-    if (!status) status = oversample(rows, both, num_start, num_rows, error);
-    sampled_basis_free(&both[0]);
-    sampled_basis_free(&both[1]);
+        status = sampled_basis_start(&both[basis], rows, num_start, error);
+    if (!status) oversample(rows, both, num_start, num_rows, objective, selected);
+    arena_free(&memory);
     return status;
 }
