@@ -53,7 +53,13 @@ const char *ehdrom_contact_error(const ehdrom_contact *self) {
 ehd_status library_begin(ehdrom_contact *self) {
     if (!self || !self->model) return EHD_INTERNAL;
     self->error.text[0] = '\0';
+    self->locale = library_enter();
     return EHD_OK;
+}
+
+ehdrom_status library_end(ehdrom_contact *self, ehd_status status) {
+    if (self && self->model) library_leave(self->locale);
+    return (ehdrom_status)status;
 }
 
 // ---- settings
@@ -73,15 +79,12 @@ ehdrom_status ehdrom_contact_read(ehdrom_contact *self, const char *path) {
 
     if (!status && !path)
         status = ehd_fail(&self->error, EHD_DATA, "scene: found no path, expected one");
-    if (status) return (ehdrom_status)status;
-    const locale_t before = library_enter();
-    status = scene_read(&found, path, NULL, 0, &self->error);
+    if (!status) status = scene_read(&found, path, NULL, 0, &self->error);
     if (!status) {
         self->settings = found;
         forget(self);
     }
-    library_leave(before);
-    return (ehdrom_status)status;
+    return library_end(self, status);
 }
 
 static ehd_status check_key(const char *key, ehd_error *error) {
@@ -100,13 +103,11 @@ ehdrom_status ehdrom_contact_set(ehdrom_contact *self, const char *key, const ch
     ehd_status status = library_begin(self);
 
     if (!status) status = check_key(key, &self->error);
-    if (status) return (ehdrom_status)status;
-    const locale_t before = library_enter();
+    if (status) return library_end(self, status);
     status = value ? scene_set(&self->settings, key, value, NULL, &self->error)
                    : unset(&self->settings, key, &self->error);
     forget(self);
-    library_leave(before);
-    return (ehdrom_status)status;
+    return library_end(self, status);
 }
 
 /* Updates self->complete after one setting has changed. If this setting is a number of the
@@ -138,15 +139,13 @@ ehdrom_status ehdrom_contact_set_number(ehdrom_contact *self, const char *key, d
     ehd_status status = library_begin(self);
 
     if (!status) status = check_key(key, &self->error);
-    if (status) return (ehdrom_status)status;
-    const locale_t before = library_enter();
+    if (status) return library_end(self, status);
     number_show(text, value); // with all digits, so that reading gives the same bits
     if (!is_set_to(&self->settings, key, text)) {
         status = scene_set(&self->settings, key, text, NULL, &self->error);
         if (!status) replace(self, key, text);
     }
-    library_leave(before);
-    return (ehdrom_status)status;
+    return library_end(self, status);
 }
 
 static ehd_status get(const ehdrom_contact *self, const char *key, char *text, size_t size,
@@ -168,60 +167,53 @@ ehdrom_status ehdrom_contact_get(ehdrom_contact *self, const char *key, char *te
     ehd_status status = library_begin(self);
 
     if (!status) status = check_key(key, &self->error);
-    if (status) return (ehdrom_status)status;
-    const locale_t before = library_enter();
-    status = get(self, key, text, size, &self->error);
-    library_leave(before);
-    return (ehdrom_status)status;
+    if (!status) status = get(self, key, text, size, &self->error);
+    return library_end(self, status);
 }
 
 ehdrom_status ehdrom_contact_set_units(ehdrom_contact *self, int units) {
-    const ehd_status status = library_begin(self);
+    ehd_status status = library_begin(self);
 
-    if (status) return (ehdrom_status)status;
-    if (units != EHDROM_SI && units != EHDROM_DIMENSIONLESS)
-        return (ehdrom_status)ehd_fail(
-            &self->error, EHD_DATA, "units: found %d, expected EHDROM_SI or EHDROM_DIMENSIONLESS",
-            units);
-    self->dimensionless = units == EHDROM_DIMENSIONLESS;
-    self->is_reference = false;
-    return EHDROM_OK;
+    if (!status && units != EHDROM_SI && units != EHDROM_DIMENSIONLESS)
+        status = ehd_fail(&self->error, EHD_DATA,
+                          "units: found %d, expected EHDROM_SI or EHDROM_DIMENSIONLESS", units);
+    if (!status) {
+        self->dimensionless = units == EHDROM_DIMENSIONLESS;
+        self->is_reference = false;
+    }
+    return library_end(self, status);
 }
 
 /* Sets a tolerance or an accuracy. `infinite`: any value above 0 is allowed. */
-static ehdrom_status set_part(ehdrom_contact *self, double *member, const char *name, double value,
-                              bool infinite) {
-    const locale_t before = library_enter();
-    ehd_status status = EHD_OK;
-
+static ehd_status set_part(double *member, const char *name, double value, bool infinite,
+                           ehd_error *error) {
     if (!(isgreater(value, 0) && (infinite || value < 1)))
-        status = ehd_fail(&self->error, EHD_DATA, "%s: found %g, expected a number above 0%s", name,
-                          value, infinite ? "" : " and below 1");
-    else
-        *member = value;
-    library_leave(before);
-    return (ehdrom_status)status;
+        return ehd_fail(error, EHD_DATA, "%s: found %g, expected a number above 0%s", name, value,
+                        infinite ? "" : " and below 1");
+    *member = value;
+    return EHD_OK;
 }
 
 ehdrom_status ehdrom_contact_set_accuracy(ehdrom_contact *self, double accuracy) {
-    const ehd_status status = library_begin(self);
+    ehd_status status = library_begin(self);
 
-    return status ? (ehdrom_status)status
-                  : set_part(self, &self->accuracy, "accuracy", accuracy, true);
+    if (!status) status = set_part(&self->accuracy, "accuracy", accuracy, true, &self->error);
+    return library_end(self, status);
 }
 
 ehdrom_status ehdrom_contact_set_tolerance(ehdrom_contact *self, double tolerance) {
-    const ehd_status status = library_begin(self);
+    ehd_status status = library_begin(self);
 
-    return status ? (ehdrom_status)status
-                  : set_part(self, &self->tolerance, "tolerance", tolerance, false);
+    if (!status) status = set_part(&self->tolerance, "tolerance", tolerance, false, &self->error);
+    return library_end(self, status);
 }
 
 ehdrom_status ehdrom_contact_set_step_tolerance(ehdrom_contact *self, double tolerance) {
-    const ehd_status status = library_begin(self);
+    ehd_status status = library_begin(self);
 
-    return status ? (ehdrom_status)status
-                  : set_part(self, &self->step_tolerance, "step tolerance", tolerance, false);
+    if (!status)
+        status = set_part(&self->step_tolerance, "step tolerance", tolerance, false, &self->error);
+    return library_end(self, status);
 }
 
 // ---- the contact of the settings
@@ -304,8 +296,7 @@ ehdrom_status ehdrom_contact_scales(ehdrom_contact *self, ehdrom_scales *scales)
     ehd_contact contact;
     unit_factors units;
 
-    if (status) return (ehdrom_status)status;
-    const locale_t before = library_enter();
+    if (status) return library_end(self, status);
     const bool dimensionless = self->dimensionless;
     self->dimensionless = true; // allows a scene of M and L, which has no SI units
     // the scales are equal in both regimes, but transient scenes cannot have the discretisation
@@ -326,6 +317,5 @@ ehdrom_status ehdrom_contact_scales(ehdrom_contact *self, ehdrom_scales *scales)
                                    .half_width_across = units.length_across};
         status = library_give(scales, &own, sizeof own, "scales", &self->error);
     }
-    library_leave(before);
-    return (ehdrom_status)status;
+    return library_end(self, status);
 }

@@ -76,11 +76,8 @@ ehdrom_status ehdrom_differentiate(ehdrom_contact *self, const ehdrom_conditions
     ehd_status status =
         begin(self, "derivatives", "ehdrom_solve, ehdrom_start or a step that is not accepted yet");
 
-    if (status) return (ehdrom_status)status;
-    const locale_t before = library_enter();
-    status = differentiate(self, direction, derivatives);
-    library_leave(before);
-    return (ehdrom_status)status;
+    if (!status) status = differentiate(self, direction, derivatives);
+    return library_end(self, status);
 }
 
 static ehd_status respond(ehdrom_contact *self, ehdrom_response *response) {
@@ -105,9 +102,6 @@ static ehd_status respond(ehdrom_contact *self, ehdrom_response *response) {
 ehdrom_status ehdrom_respond(ehdrom_contact *self, ehdrom_response *response) {
     ehd_status status = begin(self, "stationary response", "ehdrom_solve or ehdrom_start");
 
-    if (status) return (ehdrom_status)status;
-    const locale_t before = library_enter();
-    status = respond(self, response);
-    library_leave(before);
-    return (ehdrom_status)status;
+    if (!status) status = respond(self, response);
+    return library_end(self, status);
 }

@@ -54,17 +54,20 @@ struct ehdrom_contact {
     // work arrays for the fields; NULL: no fields were needed yet
     double *pressure, *film; // [num_nodes] of the grid with the most nodes
     char deviation[MARCH_REASON];
+    locale_t locale; // the caller's locale, from library_begin to library_end
     ehd_error error;
 };
 
-/* Public functions that read or print numbers begin and end with these calls. library_enter sets
- * the C locale in this thread, and library_leave restores the caller's locale. */
+/* library_enter sets the C locale in this thread, in which numbers are read and printed, and
+ * library_leave restores the caller's locale. */
 locale_t library_enter(void);
 void library_leave(locale_t before);
 
-/* Public functions for a contact call this first. Clears the previous error. EHD_INTERNAL: there is
- * no contact, or it has no model. */
+/* Public functions for a contact begin and end with these calls. library_begin clears the previous
+ * error and sets the C locale. EHD_INTERNAL: there is no contact, or it has no model. library_end
+ * restores the caller's locale and returns `status`. It is also called if library_begin fails. */
 ehd_status library_begin(ehdrom_contact *self);
+ehdrom_status library_end(ehdrom_contact *self, ehd_status status);
 
 /* Copies a struct of `size` bytes to the caller's struct `target`, as far as both structs have the
  * same members. The first member of `target`, which is its size, stays the same. EHD_DATA: `target`

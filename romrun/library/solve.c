@@ -98,11 +98,8 @@ static ehd_status solve(ehdrom_contact *self, ehdrom_result *result) {
 ehdrom_status ehdrom_solve(ehdrom_contact *self, ehdrom_result *result) {
     ehd_status status = library_begin(self);
 
-    if (status) return (ehdrom_status)status;
-    const locale_t before = library_enter();
-    status = solve(self, result);
-    library_leave(before);
-    return (ehdrom_status)status;
+    if (!status) status = solve(self, result);
+    return library_end(self, status);
 }
 
 // ---- steps in time
@@ -243,11 +240,8 @@ ehdrom_status ehdrom_start(ehdrom_contact *self, const ehdrom_conditions *condit
                            ehdrom_result *result) {
     ehd_status status = library_begin(self);
 
-    if (status) return (ehdrom_status)status;
-    const locale_t before = library_enter();
-    status = start(self, conditions, result);
-    library_leave(before);
-    return (ehdrom_status)status;
+    if (!status) status = start(self, conditions, result);
+    return library_end(self, status);
 }
 
 /* Begins a call that needs an accepted state. EHD_INTERNAL: there is no accepted state. */
@@ -284,11 +278,8 @@ ehdrom_status ehdrom_step(ehdrom_contact *self, const ehdrom_conditions *conditi
                           ehdrom_result *result) {
     ehd_status status = begin_in_time(self, "step");
 
-    if (status) return (ehdrom_status)status;
-    const locale_t before = library_enter();
-    status = step_on(self, conditions, step, result);
-    library_leave(before);
-    return (ehdrom_status)status;
+    if (!status) status = step_on(self, conditions, step, result);
+    return library_end(self, status);
 }
 
 /* The size of the caller's structs may differ from the size of the library's structs, so the arrays
@@ -317,20 +308,20 @@ ehdrom_status ehdrom_accept(ehdrom_contact *self) {
     if (!status && !self->can_accept)
         status = ehd_fail(&self->error, EHD_INTERNAL,
                           "accept: found no step that converged, expected ehdrom_step before");
-    if (status) return (ehdrom_status)status;
+    if (status) return library_end(self, status);
     online_accept(self->in_time);
     self->can_accept = false;
     if (self->differentiable == OF_STEP) self->differentiable = OF_NOTHING;
     self->last = LAST_IN_TIME;
     self->scalars = self->stepped;
-    return EHDROM_OK;
+    return library_end(self, EHD_OK);
 }
 
 ehdrom_status ehdrom_restart(ehdrom_contact *self) {
     const ehd_status status = begin_in_time(self, "restart");
 
     if (!status) online_restart(self->in_time);
-    return (ehdrom_status)status;
+    return library_end(self, status);
 }
 
 // ---- saved states
@@ -365,23 +356,20 @@ static ehd_status check_count(const ehdrom_contact *self, const double *state, s
 ehdrom_status ehdrom_state_size(ehdrom_contact *self, size_t *count) {
     ehd_status status = library_begin(self);
 
-    if (!status && !self->in_time) {
-        const locale_t before = library_enter();
-        status = take_reference(self);
-        library_leave(before);
-    }
+    if (!status && !self->in_time) status = take_reference(self);
     if (!status) *count = NUM_SAVED + online_saved_size(self->in_time);
-    return (ehdrom_status)status;
+    return library_end(self, status);
 }
 
 ehdrom_status ehdrom_state_save(ehdrom_contact *self, double *state, size_t count) {
     ehd_status status = begin_in_time(self, "save");
 
     if (!status) status = check_count(self, state, count, &self->error);
-    if (status) return (ehdrom_status)status;
-    head_of(state, self);
-    online_save(state + NUM_SAVED, self->in_time);
-    return EHDROM_OK;
+    if (!status) {
+        head_of(state, self);
+        online_save(state + NUM_SAVED, self->in_time);
+    }
+    return library_end(self, status);
 }
 
 /* Restores a saved state. Creates self->in_time anew only if the settings have changed, because
@@ -412,11 +400,8 @@ static ehd_status restore(ehdrom_contact *self, const double *state, size_t coun
 ehdrom_status ehdrom_state_restore(ehdrom_contact *self, const double *state, size_t count) {
     ehd_status status = library_begin(self);
 
-    if (status) return (ehdrom_status)status;
-    const locale_t before = library_enter();
-    status = restore(self, state, count);
-    library_leave(before);
-    return (ehdrom_status)status;
+    if (!status) status = restore(self, state, count);
+    return library_end(self, status);
 }
 
 // ---- fields
@@ -446,11 +431,11 @@ static void fill_behind(double *values, size_t num, size_t length) {
 ehdrom_status ehdrom_nodes(ehdrom_contact *self, size_t *num_x, size_t *num_y) {
     const ehd_status status = library_begin(self);
 
-    if (status) return (ehdrom_status)status;
+    if (status) return library_end(self, status);
     const ehd_grid whole = grid_whole(library_grid(self));
     if (num_x) *num_x = whole.inner_x;
     if (num_y) *num_y = whole.inner_lines;
-    return EHDROM_OK;
+    return library_end(self, EHD_OK);
 }
 
 ehdrom_status ehdrom_axes(ehdrom_contact *self, double *x, double *y) {
@@ -458,14 +443,14 @@ ehdrom_status ehdrom_axes(ehdrom_contact *self, double *x, double *y) {
     unit_factors scales = {0};
 
     if (!status) status = scales_of_fields(&scales, self, &self->error);
-    if (status) return (ehdrom_status)status;
+    if (status) return library_end(self, status);
     const ehd_grid whole = grid_whole(library_grid(self));
     for (size_t i = 0; x && i < whole.inner_x; i++)
         x[i] = grid_x(&whole, grid_node_of_row(&whole, i)) * scales.length;
     for (size_t l = 0; y && l < whole.inner_lines; l++)
         y[l] = grid_y(&whole, grid_node_of_row(&whole, l * whole.inner_x)) * scales.length_across;
     fill_behind(x, whole.inner_x, online_grid(self->model->online)->inner_x);
-    return EHDROM_OK;
+    return library_end(self, EHD_OK);
 }
 
 const ehd_grid *library_grid(const ehdrom_contact *self) {
@@ -503,13 +488,10 @@ ehdrom_status ehdrom_fields(ehdrom_contact *self, double *pressure, double *film
     unit_factors scales = {0};
 
     if (!status) status = scales_of_fields(&scales, self, &self->error);
-    if (status) return (ehdrom_status)status;
-    const locale_t before = library_enter();
-    status = library_fields(self);
+    if (!status) status = library_fields(self);
     if (!status) {
         library_give_field(pressure, self->pressure, scales.pressure, self);
         library_give_field(film, self->film, scales.film, self);
     }
-    library_leave(before);
-    return (ehdrom_status)status;
+    return library_end(self, status);
 }

@@ -151,12 +151,11 @@ ehdrom_status ehdrom_slide(ehdrom_contact *self, double sliding, ehdrom_traction
         status = ehd_fail(&self->error, EHD_INTERNAL,
                           "traction: found no solution and no step since the state was restored, "
                           "expected one before");
-    if (status) return (ehdrom_status)status;
-    const locale_t before = library_enter();
-    const slid_state of = last_state(self);
-    status = slide(self, &of, sliding, traction);
-    library_leave(before);
-    return (ehdrom_status)status;
+    if (!status) {
+        const slid_state of = last_state(self);
+        status = slide(self, &of, sliding, traction);
+    }
+    return library_end(self, status);
 }
 
 ehdrom_status ehdrom_slide_step(ehdrom_contact *self, double sliding, ehdrom_traction *traction) {
@@ -165,12 +164,11 @@ ehdrom_status ehdrom_slide_step(ehdrom_contact *self, double sliding, ehdrom_tra
     if (!status && !self->can_accept)
         status = ehd_fail(&self->error, EHD_INTERNAL,
                           "traction: found no step that converged, expected ehdrom_step before");
-    if (status) return (ehdrom_status)status;
-    const locale_t before = library_enter();
-    const slid_state of = attempted_state(self);
-    status = slide(self, &of, sliding, traction);
-    library_leave(before);
-    return (ehdrom_status)status;
+    if (!status) {
+        const slid_state of = attempted_state(self);
+        status = slide(self, &of, sliding, traction);
+    }
+    return library_end(self, status);
 }
 
 // ---- stresses at all nodes
@@ -214,9 +212,6 @@ ehdrom_status ehdrom_shear_stresses(ehdrom_contact *self, double sliding, double
     if (!status && self->last == LAST_NONE)
         status = ehd_fail(&self->error, EHD_INTERNAL,
                           "shear stresses: found no solution, expected one before");
-    if (status) return (ehdrom_status)status;
-    const locale_t before = library_enter();
-    status = give_stresses(self, sliding, stress_1, stress_2);
-    library_leave(before);
-    return (ehdrom_status)status;
+    if (!status) status = give_stresses(self, sliding, stress_1, stress_2);
+    return library_end(self, status);
 }
