@@ -129,7 +129,7 @@ ehd_status online_open(online_model **model, const char *path, const part_sizes 
 
 void online_release_file(online_model *self) {
     for (size_t p = 0; p < self->num_parts; p++)
-        part_release_file(&self->parts[p]);
+        artefact_close(&self->parts[p].source);
 }
 
 online_model *online_close(online_model *self) {

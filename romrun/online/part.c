@@ -111,12 +111,8 @@ ehd_status part_show(model_part *self, const shown_lubricants *shown, ehd_error 
     return part_finish(self, error);
 }
 
-void part_release_file(model_part *self) {
-    artefact_close(&self->source);
-}
-
 void part_close(model_part *self) {
-    part_release_file(self);
+    artefact_close(&self->source);
     reduced_model_free(&self->reduced);
     film_splines_free(&self->splines);
     if (!self->flat) free(self->pressure_basis);

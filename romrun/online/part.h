@@ -52,7 +52,6 @@ void part_walk(flat *file, model_part *self);
 ehd_status part_finish(model_part *self, ehd_error *error);
 /* See online_show. */
 ehd_status part_show(model_part *self, const shown_lubricants *shown, ehd_error *error);
-void part_release_file(model_part *self);
 void part_close(model_part *self);
 
 /* See online_prepare_fields and online_prepare_transient. */
