@@ -244,8 +244,9 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         size_t num_unknowns, const fmi2ValueReference knowns[],
                                         size_t num_knowns, const fmi2Real direction[],
                                         fmi2Real derivative[]) {
-    return outcome(fmu_derivative(contact_of(c), unknowns, num_unknowns, knowns, num_knowns,
-                                  direction, derivative));
+    const fmu_direction of = {unknowns, knowns, num_unknowns, num_knowns, direction};
+
+    return outcome(fmu_derivative(contact_of(c), &of, derivative));
 }
 
 /* Returns the time of the last successful step. Other kinds of status do not apply, because a step

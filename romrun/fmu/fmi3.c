@@ -186,10 +186,11 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
                                         size_t num_knowns, const fmi3Float64 seed[],
                                         size_t num_seed, fmi3Float64 sensitivity[],
                                         size_t num_sensitivity) {
+    const fmu_direction of = {unknowns, knowns, num_unknowns, num_knowns, seed};
+
     return outcome(same_length(instance, num_knowns, num_seed) &&
                    same_length(instance, num_unknowns, num_sensitivity) &&
-                   fmu_derivative(contact_of(instance), unknowns, num_unknowns, knowns, num_knowns,
-                                  seed, sensitivity));
+                   fmu_derivative(contact_of(instance), &of, sensitivity));
 }
 
 // ---- not offered

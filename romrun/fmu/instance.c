@@ -669,39 +669,36 @@ static double scale_of(const fmu_instance *self, unsigned reference) {
 
 /* Returns the change of the inputs on each side of a central difference, as a multiple of the
  * direction. 0: the direction is zero; -1: an input that should change has no scale. */
-static double reach(const fmu_instance *self, const unsigned knowns[], size_t num_knowns,
-                    const double direction[]) {
+static double reach(const fmu_instance *self, const fmu_direction *of) {
     double most = 0;
 
-    for (size_t i = 0; i < num_knowns; i++) {
-        const double scale = scale_of(self, knowns[i]);
-        if (direction[i] == 0) continue;
+    for (size_t i = 0; i < of->num_knowns; i++) {
+        const double scale = scale_of(self, of->knowns[i]);
+        if (of->along[i] == 0) continue;
         if (!(scale > 0)) {
             say(self, FMU_FAILED, "derivative: found %s at rest, expected a value to change",
-                fmu_variables[knowns[i]].name);
+                fmu_variables[of->knowns[i]].name);
             return -1;
         }
-        most = fmax(most, fabs(direction[i]) / scale);
+        most = fmax(most, fabs(of->along[i]) / scale);
     }
     return most > 0 ? relative_change / most : 0;
 }
 
 /* Returns the rates of change of the conditions along a direction. */
-static conditions rate_of(const fmu_instance *self, const unsigned knowns[], size_t num_knowns,
-                          const double direction[]) {
+static conditions rate_of(const fmu_instance *self, const fmu_direction *of) {
     double rates[FMU_NUM_VARIABLES] = {0};
 
-    for (size_t i = 0; i < num_knowns; i++)
-        rates[knowns[i]] += direction[i];
+    for (size_t i = 0; i < of->num_knowns; i++)
+        rates[of->knowns[i]] += of->along[i];
     return conditions_of(rates, self->contents.approach_given);
 }
 
 /* Computes the outputs for the inputs plus `length` times the direction. */
 static bool outputs_at(fmu_instance *self, double outputs[FMU_NUM_VARIABLES],
-                       const unsigned knowns[], size_t num_knowns, const double direction[],
-                       double length, bool stationary, bool friction) {
+                       const fmu_direction *of, double length, bool stationary, bool friction) {
     ehdrom_result result = EHDROM_RESULT_INIT;
-    const conditions rate = rate_of(self, knowns, num_knowns, direction);
+    const conditions rate = rate_of(self, of);
     conditions at = self->now.aimed;
 
     at.given += rate.given * length;
@@ -716,52 +713,47 @@ static bool outputs_at(fmu_instance *self, double outputs[FMU_NUM_VARIABLES],
 
 /* Computes the derivatives that are still NaN. Repeats the last step (or the start) with other
  * inputs (`repeat`) and takes central differences of the outputs. */
-static bool by_differences(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
-                           const unsigned knowns[], size_t num_knowns, const double direction[],
-                           double derivative[]) {
+static bool by_differences(fmu_instance *self, const fmu_direction *of, double derivative[]) {
     double before[FMU_NUM_VARIABLES] = {0}, behind[FMU_NUM_VARIABLES] = {0};
-    const double length = reach(self, knowns, num_knowns, direction);
+    const double length = reach(self, of);
     ehdrom_result result = EHDROM_RESULT_INIT;
     bool stationary = false, friction = false;
 
     if (length < 0) return false;
-    for (size_t k = 0; k < num_unknowns; k++) {
-        stationary |= is_stationary(unknowns[k]);
-        friction |= is_friction(unknowns[k]);
+    for (size_t k = 0; k < of->num_unknowns; k++) {
+        stationary |= is_stationary(of->unknowns[k]);
+        friction |= is_friction(of->unknowns[k]);
     }
-    const bool found =
-        outputs_at(self, behind, knowns, num_knowns, direction, length, stationary, friction) &&
-        outputs_at(self, before, knowns, num_knowns, direction, -length, stationary, friction);
+    const bool found = outputs_at(self, behind, of, length, stationary, friction) &&
+                       outputs_at(self, before, of, -length, stationary, friction);
     // goes back to the present inputs, with bit-identical outputs
     if (!took(self, repeat(self, &self->now.aimed, &result)) || !found) return false;
-    for (size_t k = 0; k < num_unknowns; k++)
+    for (size_t k = 0; k < of->num_unknowns; k++) {
+        const unsigned unknown = of->unknowns[k];
         if (isnan(derivative[k]))
-            derivative[k] =
-                length > 0 ? (behind[unknowns[k]] - before[unknowns[k]]) / (2 * length) : 0;
+            derivative[k] = length > 0 ? (behind[unknown] - before[unknown]) / (2 * length) : 0;
+    }
     return true;
 }
 
 /* Computes the derivatives by the library's tangent. A derivative is NaN if its output has no
  * tangent, or if the library fails. */
-static void by_tangent(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
-                       const unsigned knowns[], size_t num_knowns, const double direction[],
-                       double derivative[]) {
+static void by_tangent(fmu_instance *self, const fmu_direction *of, double derivative[]) {
     ehdrom_derivatives found = EHDROM_DERIVATIVES_INIT;
-    const conditions rate = rate_of(self, knowns, num_knowns, direction);
+    const conditions rate = rate_of(self, of);
     const ehdrom_conditions whole = for_library(self, &rate);
     const bool there = ehdrom_differentiate(self->contact, &whole, &found) == EHDROM_OK;
-    for (size_t k = 0; k < num_unknowns; k++) {
-        const size_t offset = fmu_variables[unknowns[k]].derivative;
+    for (size_t k = 0; k < of->num_unknowns; k++) {
+        const size_t offset = fmu_variables[of->unknowns[k]].derivative;
         const char *member = (const char *)&found + offset;
         derivative[k] = there && offset > 0 ? *(const double *)(const void *)member : NAN;
     }
 }
 
 /* Checks that the unknowns are outputs, the knowns are inputs, and that there is a solution. */
-static bool can_derive(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
-                       const unsigned knowns[], size_t num_knowns, const double direction[]) {
-    for (size_t k = 0; k < num_unknowns; k++) {
-        const fmu_variable *variable = find(self, unknowns[k], FMU_REAL);
+static bool can_derive(fmu_instance *self, const fmu_direction *of) {
+    for (size_t k = 0; k < of->num_unknowns; k++) {
+        const fmu_variable *variable = find(self, of->unknowns[k], FMU_REAL);
         if (!variable) return false;
         if (variable->role != FMU_OUTPUT)
             return fail(self, "derivative: found of %s, expected of an output", variable->name);
@@ -769,28 +761,25 @@ static bool can_derive(fmu_instance *self, const unsigned unknowns[], size_t num
     if (self->now.mode == MODE_INITIALIZATION ? !start(self)
                                               : !in_mode(self, MODE_STEP, "derivative"))
         return false;
-    for (size_t i = 0; i < num_knowns; i++) {
-        const fmu_variable *variable = find(self, knowns[i], FMU_REAL);
+    for (size_t i = 0; i < of->num_knowns; i++) {
+        const fmu_variable *variable = find(self, of->knowns[i], FMU_REAL);
         if (!variable) return false;
-        if (variable->role != FMU_INPUT || !isfinite(direction[i]))
+        if (variable->role != FMU_INPUT || !isfinite(of->along[i]))
             return fail(self, "derivative: found by %s in direction %g, expected by an input",
-                        variable->name, direction[i]);
+                        variable->name, of->along[i]);
     }
     return true;
 }
 
-bool fmu_derivative(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
-                    const unsigned knowns[], size_t num_knowns, const double direction[],
-                    double derivative[]) {
-    if (!can_derive(self, unknowns, num_unknowns, knowns, num_knowns, direction)) return false;
-    const conditions rate = rate_of(self, knowns, num_knowns, direction);
+bool fmu_derivative(fmu_instance *self, const fmu_direction *of, double derivative[]) {
+    if (!can_derive(self, of)) return false;
+    const conditions rate = rate_of(self, of);
     if (!keeps_ratio(self, &rate, "derivative")) return false;
-    by_tangent(self, unknowns, num_unknowns, knowns, num_knowns, direction, derivative);
+    by_tangent(self, of, derivative);
     bool whole = true;
-    for (size_t k = 0; k < num_unknowns; k++)
+    for (size_t k = 0; k < of->num_unknowns; k++)
         whole = whole && !isnan(derivative[k]);
-    return whole ||
-           by_differences(self, unknowns, num_unknowns, knowns, num_knowns, direction, derivative);
+    return whole || by_differences(self, of, derivative);
 }
 
 // ---- states

@@ -58,14 +58,18 @@ fmu_outcome fmu_step(fmu_instance *self, double time, double step);
 /* Returns the end of the last successful step. */
 double fmu_time(const fmu_instance *self);
 
-/* Computes derivative[k] = sum over i of direction[i] d unknowns[k] / d knowns[i]. The unknowns are
- * outputs, the knowns are inputs. At the start these are derivatives of the stationary contact,
+/* Value references of a directional derivative: the unknowns are outputs, the knowns are inputs. */
+typedef struct fmu_direction {
+    const unsigned *unknowns, *knowns;
+    size_t num_unknowns, num_knowns;
+    const double *along; // [num_knowns] direction
+} fmu_direction;
+
+/* Computes derivative[k] = sum over i of along[i] d unknowns[k] / d knowns[i]. At the start these are derivatives of the stationary contact,
  * later derivatives at the end of the last internal step. The library's tangent computes them.
  * Outputs without a tangent get central differences, which take three more steps for all of these
  * outputs together. */
-bool fmu_derivative(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
-                    const unsigned knowns[], size_t num_knowns, const double direction[],
-                    double derivative[]);
+bool fmu_derivative(fmu_instance *self, const fmu_direction *of, double derivative[]);
 
 /* Saves the state as a block of bytes, which this FMU can restore in any process. Allocates the
  * block if *state is NULL, otherwise overwrites it. Free the block with free(). */
