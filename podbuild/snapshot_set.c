@@ -91,10 +91,11 @@ static ehd_status pick_rates(reduced_states *states, const column_reader *from,
 /* Lists the converged states in `entry`, and the stationary points among them in `row_state`.
  * States of a trajectory are no rows, because the compressed steps of the trajectory contain them.
  * Untrusted states (EHD_UNTRUSTED) are left out. */
-static ehd_status choose_states(snapshot_source *source, size_t count, const int64_t *outcome,
-                                const int64_t *trajectory, ehd_error *error) {
-    source->entry = array_new(count, 1, sizeof *source->entry);
-    source->row_state = array_new(count, 1, sizeof *source->row_state);
+static ehd_status choose_states(snapshot_source *source, arena *memory, size_t count,
+                                const int64_t *outcome, const int64_t *trajectory,
+                                ehd_error *error) {
+    source->entry = arena_array(memory, count, sizeof *source->entry);
+    source->row_state = arena_array(memory, count, sizeof *source->row_state);
     if (!source->entry || !source->row_state) return ehd_no_memory(error, source->path);
     for (size_t i = 0; i < count; i++) {
         if (outcome[i] != 0) continue;
@@ -136,11 +137,11 @@ static ehd_status read_states(snapshot_source *source, const ehd_grid *grid, siz
 static ehd_status learn_states(snapshot_set *self, snapshot_source *source, ehd_error *error) {
     artefact *file = source->file;
     const size_t count = artefact_length(file, is_result(file) ? "time" : "state");
-    int64_t *outcome = array_new(count, 1, sizeof *outcome);
-    int64_t *trajectory = array_new(count, 1, sizeof *trajectory);
-    double *values = array_new(count, 1, sizeof *values);
-    ehd_status status =
-        outcome && trajectory && values ? EHD_OK : ehd_no_memory(error, source->path);
+    arena work = {0};
+    int64_t *outcome = arena_array(&work, count, sizeof *outcome);
+    int64_t *trajectory = arena_array(&work, count, sizeof *trajectory);
+    double *values = arena_array(&work, count, sizeof *values);
+    ehd_status status = work.failed ? ehd_no_memory(error, source->path) : EHD_OK;
 
     for (size_t i = 0; i < count && !status; i++)
         trajectory[i] = -1;
@@ -148,12 +149,10 @@ static ehd_status learn_states(snapshot_set *self, snapshot_source *source, ehd_
         status = artefact_get_integers(file, "status", outcome, count, error);
     if (!status && artefact_has(file, "trajectory"))
         status = artefact_get_integers(file, "trajectory", trajectory, count, error);
-    if (!status) status = choose_states(source, count, outcome, trajectory, error);
+    if (!status) status = choose_states(source, &self->memory, count, outcome, trajectory, error);
     if (!status) status = read_states(source, &self->grid, count, trajectory, values, error);
     self->num_left_out += count - source->num_states;
-    free(outcome);
-    free(trajectory);
-    free(values);
+    arena_free(&work);
     return status;
 }
 
@@ -189,7 +188,7 @@ static ehd_status check_kind(artefact *file, const char *path, ehd_error *error)
 static ehd_status learn_part(snapshot_set *self, snapshot_source *source, ehd_error *error) {
     source->num_states = artefact_length(source->file, "state");
     source->num_rows = artefact_length(source->file, "pressure_mode");
-    source->values = array_new(source->num_rows, 1, sizeof *source->values);
+    source->values = arena_array(&self->memory, source->num_rows, sizeof *source->values);
     if (!source->values) return ehd_no_memory(error, source->path);
     ehd_status status = part_read_origin(&source->origin, source->file, error);
     if (!status)
@@ -234,7 +233,8 @@ ehd_status snapshot_set_open(snapshot_set *self, const char *const *paths, size_
                              ehd_error *error) {
     ehd_status status = EHD_OK;
 
-    *self = (snapshot_set){.sources = array_new(num_paths, 1, sizeof *self->sources)};
+    *self = (snapshot_set){0};
+    self->sources = arena_array(&self->memory, num_paths, sizeof *self->sources);
     if (!self->sources) return ehd_no_memory(error, paths[0]);
     self->num_sources = num_paths;
     for (size_t i = 0; i < num_paths; i++)
@@ -253,15 +253,10 @@ ehd_status snapshot_set_open(snapshot_set *self, const char *const *paths, size_
 
 void snapshot_set_close(snapshot_set *self) {
     for (size_t i = 0; i < self->num_sources; i++) {
-        snapshot_source *source = &self->sources[i];
-        free(source->fields);
-        free(source->values);
-        free(source->entry);
-        free(source->row_state);
-        reduced_states_free(&source->states);
-        artefact_close(&source->file);
+        reduced_states_free(&self->sources[i].states);
+        artefact_close(&self->sources[i].file);
     }
-    free(self->sources);
+    arena_free(&self->memory);
     *self = (snapshot_set){0};
 }
 
@@ -284,19 +279,19 @@ static void put_solved(snapshot_source *source, size_t s, const solved_state *st
 
 ehd_status snapshot_set_gather(snapshot_set *self, const solved_state *states, size_t num_states,
                                const contact_kind *kind, const ehd_grid *grid, ehd_error *error) {
-    snapshot_source *source = array_new(1, 1, sizeof *source);
+    arena *memory = &self->memory;
 
-    *self = (snapshot_set){.kind = kind, .grid = *grid, .sources = source};
+    *self = (snapshot_set){.kind = kind, .grid = *grid};
+    snapshot_source *source = self->sources = arena_array(memory, 1, sizeof *source);
     if (!source) return ehd_no_memory(error, "snapshots");
     self->num_sources = 1;
     self->num_states = self->num_rows = num_states;
     source->num_states = source->num_rows = source->num_stationary = num_states;
-    source->fields = array_new(num_states, 1, sizeof *source->fields);
-    source->row_state = array_new(num_states, 1, sizeof *source->row_state);
-    ehd_status status =
-        source->fields && source->row_state ? EHD_OK : ehd_no_memory(error, "snapshots");
-    if (!status)
-        status = reduced_states_init(&source->states, num_states, grid_lines(grid), 1, error);
+    source->fields = arena_array(memory, num_states, sizeof *source->fields);
+    source->row_state = arena_array(memory, num_states, sizeof *source->row_state);
+    ehd_status status = memory->failed ? ehd_no_memory(error, "snapshots")
+                                       : reduced_states_init(&source->states, num_states,
+                                                             grid_lines(grid), 1, error);
     for (size_t s = 0; s < num_states && !status; s++)
         put_solved(source, s, &states[s], grid);
     if (status) snapshot_set_close(self);

@@ -42,6 +42,7 @@ typedef struct snapshot_set {
     size_t num_parts;            // number of sources that are parts
     size_t num_states, num_rows; // sums over all sources
     size_t num_left_out;         // number of states that had not converged or were not trusted
+    arena memory;                // memory of all arrays except the arrays in `states` of sources
 } snapshot_set;
 
 /* Opens all files and reads the scalars of their states, but no fields. Errors: EHD_DATA (no
