@@ -3,6 +3,7 @@
 
 #include "common/algebra/rounding.h"
 #include "common/physics/traction.h"
+#include "common/program/arena.h"
 #include "romrun/calibrate/check_scenes.h"
 #include "romrun/calibrate/trade.h"
 #include "romrun/trust/indicator.h"
@@ -53,7 +54,11 @@ typedef struct adaptive {
     adaptive_state *states; // [num_states]
     size_t num_rounds;      // rounds with a model
     adaptive_round *rounds; // [num_rounds]
+    double *work;           // [2, num_points] work array of factor_of
+    double *zeros;          // [num_points]
+    bool *left;             // [num_points] work array of judge_candidates
     bool ended, divided;
+    arena memory;
 } adaptive;
 
 adaptive_settings adaptive_default_settings(void) {
@@ -64,14 +69,7 @@ adaptive_settings adaptive_default_settings(void) {
 static void adaptive_free(adaptive *self) {
     artefact_close(&self->file);
     training_free(&self->points);
-    free(self->places);
-    free(self->films);
-    free(self->trained);
-    free(self->state_of_point);
-    free(self->verdicts);
-    free(self->indicated);
-    free(self->states);
-    free(self->rounds);
+    arena_free(&self->memory);
 }
 
 /* Sets the coordinates of the candidates, by which neighbours are found. Candidates of one group of
@@ -93,17 +91,20 @@ static void find_places(tree_point *places, const training_set *set) {
 static ehd_status adaptive_init(adaptive *self, ehd_error *error) {
     size_t count = self->set->num_points;
 
-    self->places = malloc(count * sizeof *self->places);
-    self->films = malloc(count * sizeof *self->films);
-    self->trained = calloc(count, sizeof *self->trained);
-    self->state_of_point = malloc(count * sizeof *self->state_of_point);
-    self->verdicts = malloc(count * sizeof *self->verdicts);
-    self->indicated = malloc(count * sizeof(double));
-    self->states = malloc(count * sizeof *self->states);
-    self->rounds = malloc(count * sizeof *self->rounds);
-    if (!self->places || !self->films || !self->trained || !self->state_of_point ||
-        !self->verdicts || !self->indicated || !self->states || !self->rounds)
-        return ehd_no_memory(error, self->plan_path);
+    arena *memory = &self->memory;
+
+    self->places = arena_array(memory, count, sizeof *self->places);
+    self->films = arena_array(memory, count, sizeof *self->films);
+    self->trained = arena_array(memory, count, sizeof *self->trained);
+    self->state_of_point = arena_array(memory, count, sizeof *self->state_of_point);
+    self->verdicts = arena_array(memory, count, sizeof *self->verdicts);
+    self->indicated = arena_array(memory, count, sizeof(double));
+    self->states = arena_array(memory, count, sizeof *self->states);
+    self->rounds = arena_array(memory, count, sizeof *self->rounds);
+    self->work = arena_table(memory, count, 2, sizeof(double));
+    self->zeros = arena_array(memory, count, sizeof(double));
+    self->left = arena_array(memory, count, sizeof *self->left);
+    if (memory->failed) return ehd_no_memory(error, self->plan_path);
     find_places(self->places, self->set);
     for (size_t i = 0; i < count; i++)
         self->indicated[i] = INFINITY;
@@ -131,9 +132,9 @@ static double true_deviation(const adaptive *self, const adaptive_state *state, 
 }
 
 /* Fits the factor of a film's error estimate to the points that a round added. Returns 0 if none of
- * these points can be compared (is_compared). `work` is [2, num_states]. */
-static double factor_of(const adaptive *self, size_t round, int film, double *work) {
-    double *deviations = work, *bounds = work + self->num_states;
+ * these points can be compared (is_compared). */
+static double factor_of(const adaptive *self, size_t round, int film) {
+    double *deviations = self->work, *bounds = self->work + self->num_states;
     size_t count = 0;
 
     for (size_t s = 0; s < self->num_states; s++) {
@@ -152,13 +153,13 @@ typedef struct film_factors {
 
 /* Fits the factors of both films to the points of a round. If the model made before the round
  * solved none of these points, uses an earlier round. */
-static film_factors factors_of(const adaptive *self, size_t round, double *work) {
+static film_factors factors_of(const adaptive *self, size_t round) {
     film_factors factors = {.known = false};
 
     for (size_t r = round + 1; r-- > 0 && !factors.known;) {
         factors.known = true;
         for (int f = 0; f < NUM_FILMS; f++) {
-            factors.of[f] = factor_of(self, r, f, work);
+            factors.of[f] = factor_of(self, r, f);
             factors.known = factors.known && factors.of[f] > 0;
         }
     }
@@ -212,14 +213,11 @@ static size_t count_solved(const adaptive *self, size_t round) {
 
 /* Restores the outcomes of rounds that an earlier run has finished. The largest estimate of a round
  * is the estimate of the first point of the next round. */
-static ehd_status recall_rounds(adaptive *self, ehd_error *error) {
-    double *work = malloc((2 * self->num_states + 1) * sizeof *work);
-    if (!work) return ehd_no_memory(error, self->plan_path);
-
+static void recall_rounds(adaptive *self) {
     for (size_t s = 0; s < self->num_states; s++) {
         const adaptive_state *state = &self->states[s];
         if (state->round != self->num_rounds + 1) continue;
-        const film_factors factors = factors_of(self, self->num_rounds, work);
+        const film_factors factors = factors_of(self, self->num_rounds);
         self->rounds[self->num_rounds] = (adaptive_round){
             .num_points = count_solved(self, self->num_rounds),
             .indicated = factors.known ? indicated_by(&state->verdict, &factors) : NAN,
@@ -227,8 +225,6 @@ static ehd_status recall_rounds(adaptive *self, ehd_error *error) {
             .seconds = NAN};
         self->num_rounds++;
     }
-    free(work);
-    return EHD_OK;
 }
 
 // ---- choosing
@@ -300,12 +296,12 @@ static ehd_status add_corners_of(adaptive *self, size_t family, const double (*p
 
 static ehd_status add_corners(adaptive *self, ehd_error *error) {
     const size_t num_points = self->set->num_points;
-    double(*places)[RANGE_AXES] = malloc(num_points * sizeof *places);
-    double(*here)[RANGE_AXES] = malloc(num_points * sizeof *here);
-    size_t *numbers = malloc(num_points * sizeof *numbers);
-    size_t *corners = malloc(num_points * sizeof *corners);
-    ehd_status status =
-        places && here && numbers && corners ? EHD_OK : ehd_no_memory(error, "choice");
+    arena memory = {0};
+    double(*places)[RANGE_AXES] = arena_array(&memory, num_points, sizeof *places);
+    double(*here)[RANGE_AXES] = arena_array(&memory, num_points, sizeof *here);
+    size_t *numbers = arena_array(&memory, num_points, sizeof *numbers);
+    size_t *corners = arena_array(&memory, num_points, sizeof *corners);
+    ehd_status status = memory.failed ? ehd_no_memory(error, "choice") : EHD_OK;
 
     if (!status) {
         normalise(places, self->set);
@@ -315,10 +311,7 @@ static ehd_status add_corners(adaptive *self, ehd_error *error) {
                 status = add_corners_of(self, i, (const double(*)[RANGE_AXES])places, here, numbers,
                                         corners, error);
     }
-    free(places);
-    free(here);
-    free(numbers);
-    free(corners);
+    arena_free(&memory);
     return status;
 }
 
@@ -343,13 +336,9 @@ static bool is_good(const adaptive *self, size_t round) {
 /* Adds the points of a check of the error estimates. Half of the points have the largest estimates,
  * the largest first. The other half are as far as possible from all trained points. */
 static ehd_status add_check(adaptive *self, size_t count, ehd_error *error) {
-    double *equal = calloc(self->set->num_points, sizeof *equal);
-    ehd_status status = equal ? add_worst(self, self->indicated, (count + 1) / 2, -1, true, error)
-                              : ehd_no_memory(error, "choice");
+    ehd_status status = add_worst(self, self->indicated, (count + 1) / 2, -1, true, error);
 
-    if (!status) status = add_worst(self, equal, count / 2, -1, true, error);
-    free(equal);
-    return status;
+    return status ? status : add_worst(self, self->zeros, count / 2, -1, true, error);
 }
 
 static ehd_status add_next_round(adaptive *self, ehd_error *error) {
@@ -498,22 +487,19 @@ static void tell_costs(const adaptive *self, const trial_costs *costs) {
 /* Makes the present model, and estimates its errors at all candidates that are not trained. */
 static ehd_status judge_candidates(adaptive *self, ehd_error *error) {
     size_t num_points = self->set->num_points;
-    bool *left = malloc(num_points * sizeof *left);
     reduced_model model = {0};
     trial_costs costs = {0};
     const double begun = program_seconds();
-    ehd_status status =
-        left ? build_model(&model, &costs, self, error) : ehd_no_memory(error, self->plan_path);
+    ehd_status status = build_model(&model, &costs, self, error);
 
-    for (size_t i = 0; i < num_points && !status; i++)
-        left[i] = !self->trained[i];
+    for (size_t i = 0; i < num_points; i++)
+        self->left[i] = !self->trained[i];
     if (!status)
-        status = trial_judge(self->verdicts, &model, self->set->contacts, left, num_points,
+        status = trial_judge(self->verdicts, &model, self->set->contacts, self->left, num_points,
                              self->num_workers, error);
     self->judging = program_seconds() - begun;
     if (!status) tell_costs(self, &costs);
     reduced_model_free(&model);
-    free(left);
     return status;
 }
 
@@ -535,31 +521,27 @@ static void report_round(const adaptive *self, size_t num_lost) {
 }
 
 static ehd_status judge_round(adaptive *self, ehd_error *error) {
-    double *work = malloc((2 * self->num_states + 1) * sizeof *work);
     double worst = NAN;
     size_t num_lost = 0;
     bool any_left = self->num_states < self->set->num_points;
-    ehd_status status = work ? EHD_OK : ehd_no_memory(error, self->plan_path);
+    ehd_status status = any_left ? judge_candidates(self, error) : EHD_OK;
 
-    if (!status && any_left) status = judge_candidates(self, error);
-    if (!status) {
-        const film_factors factors = factors_of(self, self->num_rounds, work);
-        for (size_t i = 0; i < self->set->num_points; i++) {
-            if (self->trained[i]) continue;
-            self->indicated[i] = indicated_by(&self->verdicts[i], &factors);
-            if (factors.known) worst = fmax(worst, self->indicated[i]);
-            if (!isfinite(self->indicated[i])) num_lost++;
-        }
-        self->rounds[self->num_rounds] =
-            (adaptive_round){.num_points = count_solved(self, self->num_rounds),
-                             .indicated = worst,
-                             .deviation = NAN,
-                             .seconds = program_seconds() - self->started};
-        self->num_rounds++;
-        report_round(self, num_lost);
+    if (status) return status;
+    const film_factors factors = factors_of(self, self->num_rounds);
+    for (size_t i = 0; i < self->set->num_points; i++) {
+        if (self->trained[i]) continue;
+        self->indicated[i] = indicated_by(&self->verdicts[i], &factors);
+        if (factors.known) worst = fmax(worst, self->indicated[i]);
+        if (!isfinite(self->indicated[i])) num_lost++;
     }
-    free(work);
-    return status;
+    self->rounds[self->num_rounds] =
+        (adaptive_round){.num_points = count_solved(self, self->num_rounds),
+                         .indicated = worst,
+                         .deviation = NAN,
+                         .seconds = program_seconds() - self->started};
+    self->num_rounds++;
+    report_round(self, num_lost);
+    return EHD_OK;
 }
 
 // ---- pieces
@@ -702,7 +684,8 @@ static ehd_status open_file(adaptive *self, bool resume, ehd_error *error) {
             mark_states(self);
             program_note(self->caller, "%s.partial: %zu of %zu points are done",
                          self->caller->output, self->points.num_done, self->num_states);
-            return recall_rounds(self, error);
+            recall_rounds(self);
+            return EHD_OK;
         }
         if (status != EHD_NOINPUT) return status;
     }

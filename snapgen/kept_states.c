@@ -4,39 +4,29 @@
 #include "common/physics/traction.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 ehd_status kept_states_init(kept_states *self, size_t num_nodes, size_t num_lines, double end_time,
                             ehd_error *error) {
-    memset(self, 0, sizeof *self);
-    self->num_nodes = num_nodes;
-    self->num_lines = num_lines;
-    self->end_time = end_time;
+    arena *memory = &self->memory;
+
+    *self = (kept_states){.num_nodes = num_nodes, .num_lines = num_lines, .end_time = end_time};
     for (size_t i = 0; i < KEPT_EXTREMES; i++)
         self->extremes[i] = -INFINITY;
     for (size_t i = 0; i < NUM_KEPT; i++) {
         kept_state *target = &self->states[i];
-        target->pressure = num_nodes > 0 ? malloc(num_nodes * sizeof(double)) : NULL;
-        target->film = num_nodes > 0 ? malloc(num_nodes * sizeof(double)) : NULL;
-        target->exits = num_lines > 0 ? calloc(num_lines, sizeof *target->exits) : NULL;
-        if ((num_nodes > 0 && (!target->pressure || !target->film)) ||
-            (num_lines > 0 && !target->exits)) {
-            kept_states_free(self);
-            return ehd_no_memory(error, "trajectory");
-        }
+        if (num_lines > 0) target->exits = arena_array(memory, num_lines, sizeof *target->exits);
+        if (num_nodes == 0) continue;
+        target->pressure = arena_array(memory, num_nodes, sizeof(double));
+        target->film = arena_array(memory, num_nodes, sizeof(double));
     }
-    return EHD_OK;
+    if (!memory->failed) return EHD_OK;
+    kept_states_free(self);
+    return ehd_no_memory(error, "trajectory");
 }
 
 void kept_states_free(kept_states *self) {
-    for (size_t i = 0; i < NUM_KEPT; i++) {
-        free(self->states[i].pressure);
-        free(self->states[i].film);
-        free(self->states[i].exits);
-        self->states[i].pressure = self->states[i].film = NULL;
-        self->states[i].exits = NULL;
-    }
+    arena_free(&self->memory);
 }
 
 static void keep(kept_states *self, size_t place, const kept_state *state, const double *pressure,

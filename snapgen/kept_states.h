@@ -8,6 +8,7 @@
 #define EHD_KEPT_STATES_H
 
 #include "common/physics/traction.h"
+#include "common/program/arena.h"
 #include "common/time/march.h"
 #include <stdbool.h>
 
@@ -40,6 +41,7 @@ typedef struct kept_states {
     double load_rate;            // largest rate of the load so far
     contact_frame last;          // frame of the last step
     kept_state states[NUM_KEPT]; // the first one is the start
+    arena memory;
 } kept_states;
 
 /* Allocates memory for the kept states of a trajectory up to end_time (T). EHD_MEMORY. */

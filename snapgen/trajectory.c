@@ -32,6 +32,7 @@ typedef struct task {
     pthread_mutex_t showing; // guards the members below
     double *progress_part;   // [num_trajectories] reached time divided by the end time
     progress progress;
+    arena memory;
 } task;
 
 enum { PARTS_SHOWN = 1000 }; // number of parts of the work that the progress line counts
@@ -49,8 +50,7 @@ typedef struct trajectory_run {
 void trajectories_free(trajectories *self) {
     for (size_t t = 0; self->kept && t < self->num_trajectories; t++)
         kept_states_free(&self->kept[t]);
-    free(self->kept);
-    free(self->failed);
+    arena_free(&self->memory);
     pod_free(&self->first);
     pod_free(&self->second);
     memset(self, 0, sizeof *self);
@@ -286,21 +286,20 @@ static ehd_status run_pool(task *self, size_t num_workers, ehd_error *error) {
 static ehd_status run(trajectories *result, task *self, size_t num_workers, ehd_error *error) {
     size_t num = self->set->num_trajectories;
     size_t width = self->model ? self->model->rows.num_rows : self->set->grid.num_nodes;
+    arena *memory = &self->memory;
     ehd_status status = EHD_OK;
 
     memset(result, 0, sizeof *result);
     self->result = result;
     result->num_trajectories = num;
-    result->kept = calloc(num, sizeof *result->kept);
-    result->failed = calloc(num, sizeof *result->failed);
-    self->first = calloc(num, sizeof *self->first);
-    self->second = calloc(num, sizeof *self->second);
-    self->done = calloc(num, sizeof *self->done);
-    self->progress_part = calloc(num, sizeof *self->progress_part);
+    result->kept = arena_array(&result->memory, num, sizeof *result->kept);
+    result->failed = arena_array(&result->memory, num, sizeof *result->failed);
+    self->first = arena_array(memory, num, sizeof *self->first);
+    self->second = arena_array(memory, num, sizeof *self->second);
+    self->done = arena_array(memory, num, sizeof *self->done);
+    self->progress_part = arena_array(memory, num, sizeof *self->progress_part);
     pthread_mutex_init(&self->showing, NULL);
-    if (!result->kept || !result->failed || !self->first || !self->second || !self->done ||
-        !self->progress_part)
-        status = ehd_no_memory(error, "trajectories");
+    if (memory->failed || result->memory.failed) status = ehd_no_memory(error, "trajectories");
     if (!status) status = pod_stream_create(&self->all_first, width, &compression_stream, error);
     if (!status && self->model)
         status = pod_stream_create(&self->all_second, width, &compression_stream, error);
@@ -312,10 +311,7 @@ static ehd_status run(trajectories *result, task *self, size_t num_workers, ehd_
         if (self->second) pod_free(&self->second[t]);
     }
     pthread_mutex_destroy(&self->showing);
-    free(self->progress_part);
-    free(self->first);
-    free(self->second);
-    free(self->done);
+    arena_free(memory);
     pod_stream_free(self->all_first);
     pod_stream_free(self->all_second);
     if (status) trajectories_free(result);

@@ -6,6 +6,7 @@
 #ifndef EHD_TRAJECTORY_H
 #define EHD_TRAJECTORY_H
 
+#include "common/program/arena.h"
 #include "common/program/program.h"
 #include "common/training/training_set.h"
 #include "podbuild/pod.h"
@@ -25,6 +26,7 @@ typedef struct trajectories {
     // Reduced model: `first` is the POD of D f, `second` is the POD of D J dz. The trajectories are
     // merged in the order of the plan, for any number of threads.
     pod_basis first, second;
+    arena memory; // memory of `kept` and `failed`
 } trajectories;
 
 void trajectories_free(trajectories *self);
