@@ -11,12 +11,8 @@
 #include <string.h>
 
 void row_choice_free(row_choice *choice) {
-    free(choice->rows);
-    free(choice->control);
-    free(choice->factors);
-    free(choice->jacobian_modes);
-    free(choice->sigma_min_by_exit);
-    memset(choice, 0, sizeof *choice);
+    arena_free(&choice->memory);
+    *choice = (row_choice){0};
 }
 
 /* Returns the number of modes of each basis for a method that selects rows_per_mode rows for each
@@ -95,7 +91,7 @@ static ehd_status measure_exits(row_choice *choice, const pod_basis pods[2],
     size_t *kept = malloc(choice->num_rows * sizeof *kept);
     ehd_status status = EHD_OK;
 
-    choice->sigma_min_by_exit = malloc((states->num_states + 1) * sizeof(double));
+    choice->sigma_min_by_exit = arena_array(&choice->memory, states->num_states, sizeof(double));
     if (!kept || !choice->sigma_min_by_exit) status = ehd_no_memory(error, "selection");
     choice->sigma_min_over_exits = INFINITY;
     for (size_t s = 0; s < states->num_states && !status; s++) {
@@ -216,9 +212,8 @@ static selection_bases make_bases(const pod_basis pods[2], const reduced_basis *
 
 static ehd_status allocate_rows(row_choice *choice, size_t num_rows, ehd_error *error) {
     choice->num_rows = num_rows;
-    choice->rows = malloc(num_rows * sizeof *choice->rows);
-    if (choice->rows) return EHD_OK;
-    return ehd_no_memory(error, "selection");
+    choice->rows = arena_array(&choice->memory, num_rows, sizeof *choice->rows);
+    return choice->rows ? EHD_OK : ehd_no_memory(error, "selection");
 }
 
 /* Computes the PODs and copies the given rows. The PODs have as many modes as pivoted QR uses for
@@ -300,11 +295,9 @@ static ehd_status select_stable_rows(row_choice *choice, pod_basis pods[2], sele
 }
 
 static ehd_status use_given_factors(row_choice *choice, const given_rows *given, ehd_error *error) {
-    const size_t bytes = given->count * sizeof *choice->factors;
-
-    choice->factors = malloc(bytes);
+    choice->factors = arena_array(&choice->memory, given->count, sizeof *choice->factors);
     if (!choice->factors) return ehd_no_memory(error, "selection");
-    memcpy(choice->factors, given->factors, bytes);
+    memcpy(choice->factors, given->factors, given->count * sizeof *choice->factors);
     return EHD_OK;
 }
 
@@ -316,9 +309,9 @@ static ehd_status weigh_rows(row_choice *choice, const pod_basis *products, size
     size_t num_modes = num_unknowns < products->num_modes ? num_unknowns : products->num_modes;
 
     choice->num_jacobian_modes = num_modes;
-    choice->jacobian_modes = malloc(num_rows * num_modes * sizeof(double));
-    choice->factors = malloc(num_rows * sizeof(double));
-    if (!choice->jacobian_modes || !choice->factors) return ehd_no_memory(error, "selection");
+    choice->jacobian_modes = arena_table(&choice->memory, num_rows, num_modes, sizeof(double));
+    choice->factors = arena_array(&choice->memory, num_rows, sizeof(double));
+    if (choice->memory.failed) return ehd_no_memory(error, "selection");
     for (size_t r = 0; r < num_rows; r++)
         for (size_t j = 0; j < num_modes; j++)
             choice->jacobian_modes[r * num_modes + j] =
@@ -335,7 +328,7 @@ static ehd_status choose_control(row_choice *choice, const residual_snapshots *s
     if (num_modes > choice->num_rows) num_modes = choice->num_rows;
 
     choice->num_control = given ? wanted : tenth > 8 ? tenth : 8;
-    choice->control = malloc((choice->num_control + 1) * sizeof *choice->control);
+    choice->control = arena_array(&choice->memory, choice->num_control, sizeof *choice->control);
     if (!choice->control) return ehd_no_memory(error, "selection");
     return control_choose(choice->control, &choice->num_control, given, snapshots,
                           residuals->num_nodes, residuals->modes, num_modes, choice->rows,
@@ -352,7 +345,7 @@ ehd_status row_choice_make(row_choice *choice, const residual_snapshots *snapsho
     size_t *exits = row_choice_exits(&bases.num_exits, basis);
     ehd_status status = EHD_OK;
 
-    memset(choice, 0, sizeof *choice);
+    *choice = (row_choice){0};
     bases.exits = exits;
     if (!exits) status = ehd_no_memory(error, "selection");
     if (!status && settings->given)

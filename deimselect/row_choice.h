@@ -5,6 +5,7 @@
 #ifndef EHD_ROW_CHOICE_H
 #define EHD_ROW_CHOICE_H
 
+#include "common/program/arena.h"
 #include "deimselect/given_rows.h"
 #include "deimselect/residual_snapshots.h"
 #include "deimselect/selection.h"
@@ -29,6 +30,7 @@ typedef struct row_choice {
     double sigma_min_over_exits; // smallest value of sigma_min_by_exit
     double stability;          // 1/sigma_min relative to all rows, at the worst exit (stability.h)
     double *sigma_min_by_exit; // [num_states] sigma_min of the rows before the exit of each state
+    arena memory;
 } row_choice;
 
 typedef struct row_settings {

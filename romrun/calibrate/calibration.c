@@ -11,7 +11,6 @@
 #include "romrun/online/parts_march.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { REPEATS = 3 }; // number of solutions of each scene; the time is their median
@@ -375,17 +374,16 @@ ehd_status calibration_measure_in_time(trade_position *position, online_model *m
     repetition sum = {0};
     step_samples steps = {0};
     size_t num_steps = 0;
-    double *indicated = malloc((num_recordings + 1) * sizeof *indicated);
-    bool *lost = calloc(num_recordings + 1, sizeof *lost);
-    double *errors = NULL;
+    arena memory = {0};
     ehd_status status = online_prepare_transient(model, error);
 
     for (size_t t = 0; t < num_recordings; t++)
         num_steps += recordings[t].num_steps;
-    steps.samples = malloc((num_steps + 1) * sizeof *steps.samples);
-    errors = malloc((num_steps + 1) * sizeof *errors);
-    if (!status && (!steps.samples || !indicated || !lost || !errors))
-        status = ehd_no_memory(error, "calibration");
+    double *indicated = arena_array(&memory, num_recordings, sizeof *indicated);
+    bool *lost = arena_array(&memory, num_recordings, sizeof *lost);
+    double *errors = arena_array(&memory, num_steps, sizeof *errors);
+    steps.samples = arena_array(&memory, num_steps, sizeof *steps.samples);
+    if (!status && memory.failed) status = ehd_no_memory(error, "calibration");
     position->num_lost = 0;
     for (size_t t = 0; t < num_recordings && !status; t++) {
         steps.trajectory = t;
@@ -408,9 +406,6 @@ ehd_status calibration_measure_in_time(trade_position *position, online_model *m
     }
     position->step_iterations = sum.num_steps ? sum.iterations / (double)sum.num_steps : NAN;
     position->step_seconds = sum.num_steps ? sum.seconds / (double)sum.num_steps : NAN;
-    free(steps.samples);
-    free(indicated);
-    free(lost);
-    free(errors);
+    arena_free(&memory);
     return status;
 }

@@ -8,9 +8,7 @@
 void validation_free(validation *self) {
     for (size_t t = 0; self->recordings && t < self->set.num_trajectories; t++)
         recording_free(&self->recordings[t]);
-    free(self->recordings);
-    free(self->scenes);
-    free(self->scalars);
+    arena_free(&self->memory);
     if (self->solutions.points) training_free(&self->solutions);
     training_set_free(&self->set);
 }
@@ -31,9 +29,9 @@ static ehd_status solve_points(validation *self, const program *caller, size_t n
     size_t num_points = self->set.num_points;
     ehd_status status = training_init(&self->solutions, caller, &self->set, error);
 
-    self->scalars = calloc(num_points, sizeof *self->scalars);
-    self->scenes = calloc(num_points, sizeof *self->scenes);
-    if (!status && (!self->scalars || !self->scenes)) status = ehd_no_memory(error, "points");
+    self->scalars = arena_array(&self->memory, num_points, sizeof *self->scalars);
+    self->scenes = arena_array(&self->memory, num_points, sizeof *self->scenes);
+    if (!status && self->memory.failed) status = ehd_no_memory(error, "points");
     if (status) return status;
     self->solutions.store = keep_scalars;
     self->solutions.sink = self->scalars;
@@ -76,7 +74,8 @@ ehd_status validation_solve(validation *self, const trained_range *range, const 
                             const char *name, size_t num_workers, ehd_error *error) {
     ehd_status status = EHD_OK;
 
-    self->recordings = calloc(self->set.num_trajectories + 1, sizeof *self->recordings);
+    self->recordings =
+        arena_array(&self->memory, self->set.num_trajectories, sizeof *self->recordings);
     if (!self->recordings) return ehd_no_memory(error, name);
     if (self->set.num_points > 0) status = solve_points(self, caller, num_workers, error);
     if (!status) status = recordings_make(self->recordings, caller, &self->set, num_workers, error);

@@ -5,6 +5,7 @@
 #ifndef EHD_VALIDATION_H
 #define EHD_VALIDATION_H
 
+#include "common/program/arena.h"
 #include "fullrun/training.h"
 #include "romrun/calibrate/calibration.h"
 #include "romrun/calibrate/recording.h"
@@ -18,6 +19,7 @@ typedef struct validation {
     recording *recordings; // [set.num_trajectories]; usable recordings come first
     size_t num_recordings; // number of usable recordings: complete, and inside of the trained range
     size_t num_failed;     // number of points and trajectories that the full model did not solve
+    arena memory;
 } validation;
 
 /* Frees all members, the set included. */

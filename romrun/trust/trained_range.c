@@ -87,6 +87,7 @@ struct trained_range {
                     // flows of the training are Newtonian
     double *outer;  // [RANGE_AXES, num_outer] training points farthest out in some direction
     known_lubricants *lubricants;
+    arena memory;
 };
 
 struct range_memory {
@@ -96,9 +97,7 @@ struct range_memory {
 
 trained_range *trained_range_free(trained_range *self) {
     if (self) {
-        free(self->edges);
-        free(self->points);
-        free(self->outer);
+        arena_free(&self->memory);
         known_lubricants_free(self->lubricants);
         free(self);
     }
@@ -182,14 +181,14 @@ static size_t farthest(const trained_range *self, const int direction[RANGE_AXES
 /* Fills self->outer with the training points farthest out along the axes and the diagonals. A point
  * may occur several times. Checks first use the hull of these few points, because most places
  * inside of the range lie inside of this hull. A check with all points takes 293 thousand
- * instructions for a model of 188 states. Returns false without memory. */
-static bool list_outer(trained_range *self) {
+ * instructions for a model of 188 states. */
+static void list_outer(trained_range *self) {
     size_t num = 1, count = 0;
 
     for (size_t axis = 0; axis < RANGE_AXES; axis++)
         num *= 3;
     self->num_outer = num - 1; // without the zero direction
-    self->outer = malloc(RANGE_AXES * self->num_outer * sizeof *self->outer);
+    self->outer = arena_table(&self->memory, RANGE_AXES, self->num_outer, sizeof *self->outer);
     for (size_t code = 0; code < num && self->outer; code++) {
         int direction[RANGE_AXES], length = 0;
         size_t rest = code;
@@ -203,12 +202,10 @@ static bool list_outer(trained_range *self) {
             self->outer[axis * self->num_outer + count] = self->points[axis * self->num_points + i];
         count++;
     }
-    return self->outer != NULL;
 }
 
-/* Fills self->by and, if flows of the training are thinned, self->points. Returns false without
- * memory. */
-static bool list_thinned(trained_range *self, const reduced_states *states) {
+/* Fills self->by and, if flows of the training are thinned, self->points and self->outer. */
+static void list_thinned(trained_range *self, const reduced_states *states) {
     const size_t num = states->num_states;
     double place[RANGE_AXES];
 
@@ -222,14 +219,14 @@ static bool list_thinned(trained_range *self, const reduced_states *states) {
         }
     }
     if (!(self->by[0].most > thinning_coordinate(0) || self->by[1].most > gradient_coordinate(0)))
-        return true;
+        return;
     self->num_points = num;
-    self->points = array_new(RANGE_AXES, num, sizeof *self->points);
+    self->points = arena_table(&self->memory, RANGE_AXES, num, sizeof *self->points);
     for (size_t s = 0; s < num && self->points; s++) {
         trained_place(place, place_of_state(states, s));
         put_column(self->points + s, num, place, self);
     }
-    return self->points && list_outer(self);
+    if (self->points) list_outer(self);
 }
 
 static hull_edge edge_between(point a, point b) {
@@ -242,24 +239,25 @@ trained_range *trained_range_create(const reduced_model *model) {
     const reduced_states *states = &model->states;
     size_t num = states->num_states;
     trained_range *self = calloc(1, sizeof *self);
-    point *points = malloc((num + 1) * sizeof *points), *hull = malloc((num + 2) * sizeof *hull);
+    arena work = {0};
 
-    if (self) self->edges = malloc((num + 2) * sizeof *self->edges);
-    if (self) self->lubricants = known_lubricants_create(model);
-    if (self && self->edges && self->lubricants && points && hull) {
+    if (!self) return NULL;
+    point *points = arena_array(&work, num, sizeof *points);
+    point *hull = arena_array(&work, num + 2, sizeof *hull);
+    self->edges = arena_array(&self->memory, num + 2, sizeof *self->edges);
+    self->lubricants = known_lubricants_create(model);
+    const bool whole = self->edges && self->lubricants && !work.failed;
+    if (whole) {
         find_extent(self, states);
         for (size_t s = 0; s < num; s++)
             points[s] = in_units(point_of_state(states, s), self);
         self->count = num ? convex_hull(hull, points, num) : 0;
         for (size_t i = 0; i < self->count; i++)
             self->edges[i] = edge_between(hull[i], hull[(i + 1) % self->count]);
-        if (!list_thinned(self, states)) self = trained_range_free(self);
-    } else {
-        self = trained_range_free(self);
+        list_thinned(self, states);
     }
-    free(points);
-    free(hull);
-    return self;
+    arena_free(&work);
+    return whole && !self->memory.failed ? self : trained_range_free(self);
 }
 
 /* Returns how far a point lies to the right of an edge or, for a hull of two points, beyond the
