@@ -19,12 +19,18 @@
 
 enum { MAX_ENTRIES = 64, NAME_SIZE = 320 };
 
+enum { CONTENTS, SCENE, MODEL, NUM_RESOURCES };
+static const char *const resources[] = {"contact.txt", "contact.yml", "model.ehdrom"};
+static const char shared_object[] = "fmu.so";
+
 /* Contents of an FMU, and the data from which they are made. */
 typedef struct export_job {
     const program *caller;
     const fmu_request *request;
-    char installed[PATH_MAX]; // folder of the shared object and the licences
-    char folder[PATH_MAX];    // temporary folder of the resources
+    char installed[PATH_MAX];                // folder of the shared object and the licences
+    char shared_object[PATH_MAX];            // path
+    char folder[PATH_MAX];                   // temporary folder of the resources
+    char resources[NUM_RESOURCES][PATH_MAX]; // paths
     fmu_contents contents;
     double step; // s
     char *description, *page;
@@ -35,15 +41,11 @@ typedef struct export_job {
     size_t num_entries;
 } export_job;
 
-static const char *const resources[] = {"contact.txt", "contact.yml", "model.ehdrom"};
-enum { NUM_RESOURCES = sizeof resources / sizeof *resources };
-static const char shared_object[] = "fmu.so";
-
 // ---- paths
 
 /* Finds ../lib/ehdrom relative to the program, in the build's folder or after installation. */
 static ehd_status find_installed(export_job *job, ehd_error *error) {
-    char self[PATH_MAX], path[PATH_MAX];
+    char self[PATH_MAX];
     const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
 
     self[length > 0 ? length : 0] = '\0';
@@ -52,8 +54,8 @@ static ehd_status find_installed(export_job *job, ehd_error *error) {
         if (slash) *slash = '\0';
     }
     if (snprintf(job->installed, PATH_MAX, "%s/lib/ehdrom", self) < PATH_MAX &&
-        snprintf(path, PATH_MAX, "%s/%s", job->installed, shared_object) < PATH_MAX &&
-        access(path, R_OK) == 0)
+        snprintf(job->shared_object, PATH_MAX, "%s/%s", job->installed, shared_object) < PATH_MAX &&
+        access(job->shared_object, R_OK) == 0)
         return EHD_OK;
     return ehd_fail(error, EHD_NOINPUT,
                     "%s/%s: found %s, expected the shared object of FMUs, which is made on x86-64",
@@ -92,12 +94,7 @@ static void strip(scene *settings, const scene *given) {
         scene_set(settings, "transient.end_time", "1", NULL, NULL); // required if transient
 }
 
-static ehd_status open_to_write(FILE **file, const export_job *job, const char *name,
-                                ehd_error *error) {
-    char path[PATH_MAX];
-    const ehd_status status = path_in(path, job->folder, name, error);
-
-    if (status) return status;
+static ehd_status open_to_write(FILE **file, const char *path, ehd_error *error) {
     *file = fopen(path, "wbe");
     return *file ? EHD_OK
                  : ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to create it", path,
@@ -119,10 +116,10 @@ static ehd_status write_scene(const export_job *job, ehd_error *error) {
     strip(&settings, job->request->given);
     char *text = scene_text(&settings);
     ehd_status status =
-        text ? open_to_write(&file, job, "contact.yml", error) : ehd_no_memory(error, "fmu");
+        text ? open_to_write(&file, job->resources[SCENE], error) : ehd_no_memory(error, "fmu");
     if (!status) {
         fputs(text, file);
-        status = close_written(file, "contact.yml", error);
+        status = close_written(file, resources[SCENE], error);
     }
     free(text);
     return status;
@@ -132,36 +129,31 @@ static ehd_status write_scene(const export_job *job, ehd_error *error) {
 static ehd_status write_model(const export_job *job, ehd_error *error) {
     const fmu_request *request = job->request;
     online_model *model = NULL;
-    char path[PATH_MAX];
-    ehd_status status = path_in(path, job->folder, "model.ehdrom", error);
+    ehd_status status = online_open(&model, request->model, request->sizes, error);
 
-    if (!status) status = online_open(&model, request->model, request->sizes, error);
-    if (!status) status = online_export(model, path, false, error);
+    if (!status) status = online_export(model, job->resources[MODEL], false, error);
     online_close(model);
     return status;
 }
 
 /* Makes a token from all data on which the FMU's results depend. */
 static ehd_status make_token(export_job *job, ehd_error *error) {
-    const char *const files[] = {"contact.yml", "model.ehdrom", shared_object};
+    const char *const files[] = {job->resources[SCENE], job->resources[MODEL], job->shared_object};
     struct sha256_ctx context;
     uint8_t piece[1 << 16], digest[16];
     ehd_status status = EHD_OK;
 
     sha256_init(&context);
     for (size_t i = 0; i < sizeof files / sizeof *files && !status; i++) {
-        char path[PATH_MAX];
         size_t count = 0;
-        status = path_in(path, files[i] == shared_object ? job->installed : job->folder, files[i],
-                         error);
-        if (status) return status;
-        FILE *file = fopen(path, "rbe");
+        FILE *file = fopen(files[i], "rbe");
         if (!file)
-            return ehd_fail(error, EHD_NOINPUT, "%s: found %s, expected it", path, strerror(errno));
+            return ehd_fail(error, EHD_NOINPUT, "%s: found %s, expected it", files[i],
+                            strerror(errno));
         while ((count = fread(piece, 1, sizeof piece, file)) > 0)
             sha256_update(&context, count, piece);
         if (ferror(file))
-            status = ehd_fail(error, EHD_IO, "%s: found a failure, expected to read it", path);
+            status = ehd_fail(error, EHD_IO, "%s: found a failure, expected to read it", files[i]);
         fclose(file);
     }
     sha256_update(&context, sizeof job->contents.start, (const uint8_t *)job->contents.start);
@@ -186,11 +178,8 @@ static ehd_status library_failed(const export_job *job, const ehdrom_contact *co
 static ehd_status ask_contact(export_job *job, ehdrom_contact *contact, ehd_error *error) {
     ehdrom_result result = EHDROM_RESULT_INIT;
     ehdrom_scales scales = EHDROM_SCALES_INIT;
-    char path[PATH_MAX];
-    ehd_status status = path_in(path, job->folder, "contact.yml", error);
+    ehdrom_status found = ehdrom_contact_read(contact, job->resources[SCENE]);
 
-    if (status) return status;
-    ehdrom_status found = ehdrom_contact_read(contact, path);
     if (!found) found = ehdrom_contact_scales(contact, &scales);
     if (!found) found = ehdrom_start(contact, NULL, &result);
     if (found && found != EHDROM_UNTRUSTED) return library_failed(job, contact, found, error);
@@ -205,10 +194,9 @@ static ehd_status ask_contact(export_job *job, ehdrom_contact *contact, ehd_erro
 static ehd_status find_approach(export_job *job, ehd_error *error) {
     ehdrom_model *model = NULL;
     ehdrom_contact *contact = NULL;
-    char path[PATH_MAX];
-    ehd_status status = path_in(path, job->folder, "model.ehdrom", error);
+    const ehdrom_status opened = ehdrom_model_open(&model, job->resources[MODEL], NULL);
+    ehd_status status = EHD_OK;
 
-    const ehdrom_status opened = status ? EHDROM_OK : ehdrom_model_open(&model, path, NULL);
     if (opened)
         status = ehd_fail(error, (ehd_status)opened, "%s: %s", job->request->model,
                           ehdrom_model_error(model));
@@ -259,11 +247,11 @@ static ehd_status fill_contents(export_job *job, ehd_error *error) {
 
 static ehd_status write_contents(const export_job *job, ehd_error *error) {
     FILE *file = NULL;
-    const ehd_status status = open_to_write(&file, job, "contact.txt", error);
+    const ehd_status status = open_to_write(&file, job->resources[CONTENTS], error);
 
     if (status) return status;
     fmu_contents_write(file, &job->contents);
-    return close_written(file, "contact.txt", error);
+    return close_written(file, resources[CONTENTS], error);
 }
 
 static void keep_failure(void *to, fmu_outcome of, const char *text) {
@@ -398,22 +386,21 @@ static ehd_status pack(export_job *job, ehd_error *error) {
 
 static ehd_status make_folder(export_job *job, ehd_error *error) {
     const char *given = getenv("TMPDIR"), *parent = given && *given ? given : "/tmp";
-    const ehd_status status = path_in(job->folder, parent, "ehdrom-fmu-XXXXXX", error);
+    ehd_status status = path_in(job->folder, parent, "ehdrom-fmu-XXXXXX", error);
 
-    if (!status && mkdtemp(job->folder)) return EHD_OK;
-    const int reason = errno;
-    job->folder[0] = '\0';
-    return status ? status
-                  : ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to make a folder in it",
-                             parent, strerror(reason));
+    if (!status && !mkdtemp(job->folder))
+        status = ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to make a folder in it",
+                          parent, strerror(errno));
+    if (status) job->folder[0] = '\0';
+    for (size_t i = 0; i < NUM_RESOURCES && !status; i++)
+        status = path_in(job->resources[i], job->folder, resources[i], error);
+    return status;
 }
 
 static void remove_folder(const export_job *job) {
-    char path[PATH_MAX];
-
     if (!job->folder[0]) return;
     for (size_t i = 0; i < NUM_RESOURCES; i++)
-        if (!path_in(path, job->folder, resources[i], NULL)) unlink(path);
+        unlink(job->resources[i]);
     rmdir(job->folder);
 }
 
