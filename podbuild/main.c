@@ -27,6 +27,15 @@ typedef struct build_options {
     double memory;    // limit of the arrays, bytes
 } build_options;
 
+typedef struct build_run {
+    const program *caller;
+    const build_options *options;
+    snapshot_set files;
+    bases_plan way;
+    reduced_basis basis;
+    pod_basis pressure, deformation;
+} build_run;
+
 static ehd_status read_deformation(void *member, const char *argument, ehd_error *error) {
     if (name_find(member, deformation_names, argument)) return EHD_OK;
     return ehd_fail(error, EHD_USAGE, "--deformation: found %.40s, expected coupled|independent",
@@ -69,11 +78,11 @@ static void print_states(const snapshot_set *files) {
     putchar('\n');
 }
 
-static void report(const reduced_basis *basis, const basis_origin *origin,
-                   const snapshot_set *files, bool direct) {
-    const char *at_most = direct ? "" : "at most ";
+static void report(const build_run *self, const basis_origin *origin) {
+    const reduced_basis *basis = &self->basis;
+    const char *at_most = self->way.at_once && self->files.num_parts == 0 ? "" : "at most ";
 
-    print_states(files);
+    print_states(&self->files);
     printf("pressure:    %zu modes, last singular value %.1e of the first, energy left out "
            "%s%.1e\n",
            basis->num_pressure,
@@ -94,69 +103,59 @@ static void report(const reduced_basis *basis, const basis_origin *origin,
 /* If there are as many modes as states, prints the median and the largest distance of a state from
  * the span of the other states. One more state would improve the basis by about this distance.
  * Warns if the median exceeds the default accuracy of results. */
-static void report_thinness(const program *self, const pod_basis *pressure,
-                            const reduced_states *states, const snapshot_set *files) {
+static void report_thinness(const build_run *self) {
+    const reduced_states *states = &self->basis.states;
     const double promised = accuracy_limit(0);
-    const size_t num = files->num_states;
+    const size_t num = self->files.num_states;
     double *distance = malloc((num + 1) * sizeof *distance);
 
-    if (distance && num > 1 && num == files->num_rows && pressure->num_modes == num) {
-        pod_left_out(distance, pressure, states->coordinates, states->num_unknowns, num);
+    if (distance && num > 1 && num == self->files.num_rows && self->pressure.num_modes == num) {
+        pod_left_out(distance, &self->pressure, states->coordinates, states->num_unknowns, num);
         gsl_sort(distance, 1, num);
         printf("as many modes as states; distance of a state from the span of the others %.1e "
                "(median), %.1e (worst)\n",
                distance[num / 2], distance[num - 1]);
         if (distance[num / 2] > promised)
             program_warn(
-                self,
+                self->caller,
                 "%s: found a training too thin: half of its pressures are further than "
                 "%.2g from the span of the others, expected at most %g; add points between "
                 "them, or have them chosen in a region (schemas/plan.md)",
-                self->arguments[0], distance[num / 2], promised);
+                self->caller->arguments[0], distance[num / 2], promised);
     }
     free(distance);
 }
 
 /* Computes the weight that --weight names. If a plan is given, reads its contacts, which some
  * weights need. */
-static ehd_status weigh(reduced_basis *basis, const program *self, const build_options *options,
-                        ehd_error *error) {
+static ehd_status weigh(build_run *self, ehd_error *error) {
+    const program *caller = self->caller;
+    const build_options *options = self->options;
+    reduced_basis *basis = &self->basis;
     plan given = {0};
     training_set training = {0};
     ehd_error cause = {""};
     ehd_status status = EHD_OK;
 
     if (options->plan) {
-        status = plan_read(&given, options->plan, self->overrides, self->num_overrides, error);
+        status = plan_read(&given, options->plan, caller->overrides, caller->num_overrides, error);
         if (!status)
             status = training_set_init(&training, &given, options->plan, (shard){1, 1}, error);
         if (!status) training_set_take_grid(&training, &basis->grid);
         if (!status)
-            status =
-                grid_check(&training.grid, options->plan, &basis->grid, self->arguments[0], error);
+            status = grid_check(&training.grid, options->plan, &basis->grid, caller->arguments[0],
+                                error);
     }
     if (!status) {
         status = options->weight->weigh(basis->weight, basis, training.contacts,
                                         training.num_points, &cause);
         if (status)
-            ehd_fail(error, status, "%s: %s", options->plan ? options->plan : self->arguments[0],
+            ehd_fail(error, status, "%s: %s", options->plan ? options->plan : caller->arguments[0],
                      cause.text);
     }
     training_set_free(&training);
     plan_free(&given);
     return status;
-}
-
-/* Returns the paths of the input files. The list ends with NULL; free the list with free(). Returns
- * NULL if there is no memory. */
-static const char **list_inputs(const program *self, ehd_error *error) {
-    const char **inputs = calloc(self->num_arguments + 1, sizeof *inputs);
-
-    if (inputs)
-        memcpy(inputs, self->arguments, self->num_arguments * sizeof *inputs);
-    else
-        ehd_no_memory(error, "podbuild");
-    return inputs;
 }
 
 static basis_origin origin_of(const pod_basis *pressure, const pod_basis *deformation) {
@@ -170,10 +169,8 @@ static basis_origin origin_of(const pod_basis *pressure, const pod_basis *deform
     };
 }
 
-static ehd_status write_basis(const reduced_basis *basis, const basis_origin *origin,
-                              const program *self, const build_options *options,
-                              const char *const *inputs, ehd_error *error) {
-    const bases_settings *settings = &options->bases;
+static ehd_status write_basis(const build_run *self, const basis_origin *origin, ehd_error *error) {
+    const bases_settings *settings = &self->options->bases;
     char text[256];
 
     snprintf(text, sizeof text,
@@ -181,24 +178,22 @@ static ehd_status write_basis(const reduced_basis *basis, const basis_origin *or
              "%g\nweight: %s\n",
              deformation_names[settings->kind], settings->pressure.num_modes,
              settings->deformation.num_modes, settings->pressure.discarded_energy,
-             options->weight->name);
-    return basis_write(basis, origin, self, text, inputs, error);
+             self->options->weight->name);
+    return basis_write(&self->basis, origin, self->caller, text, self->caller->arguments, error);
 }
 
-static ehd_status write_part(const reduced_basis *basis, const pod_basis *modes,
-                             const snapshot_set *files, const program *self,
-                             const build_options *options, const char *const *inputs,
-                             ehd_error *error) {
-    const part_origin origin = {.num_snapshots = files->num_rows,
-                                .num_left_out = files->num_left_out,
+static ehd_status write_part(const build_run *self, ehd_error *error) {
+    const pod_basis *modes = &self->pressure;
+    const part_origin origin = {.num_snapshots = self->files.num_rows,
+                                .num_left_out = self->files.num_left_out,
                                 .energy = modes->energy,
                                 .discarded = pod_discarded(modes),
                                 .singular_values = modes->singular_values};
     char text[64];
 
     snprintf(text, sizeof text, "compress: true\nenergy: %g\n",
-             options->bases.pressure.discarded_energy);
-    return part_write(basis, &origin, self, text, inputs, error);
+             self->options->bases.pressure.discarded_energy);
+    return part_write(&self->basis, &origin, self->caller, text, self->caller->arguments, error);
 }
 
 /* Refuses part files as input of --compress and of --deformation independent. */
@@ -222,77 +217,63 @@ static ehd_status check_parts(const snapshot_set *files, const build_options *op
 
 /* Plans the memory before the snapshots are read, and prints the plan. If the snapshots are
  * streamed, checks that the planned memory is free. */
-static ehd_status plan_memory(bases_plan *way, const snapshot_set *files, const program *self,
-                              const build_options *options, ehd_error *error) {
+static ehd_status plan_memory(build_run *self, ehd_error *error) {
+    const build_options *options = self->options;
+    const snapshot_set *files = &self->files;
+    bases_plan *way = &self->way;
     ehd_status status = check_parts(files, options, error);
 
     if (!status) status = bases_plan_make(way, files, &options->bases, options->memory, error);
     if (status) return status;
     if (way->at_once) {
-        program_detail(self, "%zu snapshots at once, at most %.4g MB of %.4g MB", files->num_rows,
-                       way->bytes * 1e-6, way->limit * 1e-6);
+        program_detail(self->caller, "%zu snapshots at once, at most %.4g MB of %.4g MB",
+                       files->num_rows, way->bytes * 1e-6, way->limit * 1e-6);
         return EHD_OK;
     }
-    program_note(self,
+    program_note(self->caller,
                  "%zu snapshots of %zu nodes one after the other, in blocks of %zu, with room for "
                  "%zu directions: at most %.4g MB of %.4g MB",
                  files->num_rows, files->grid.num_nodes, way->stream.block, way->stream.max_rank,
                  way->bytes * 1e-6, way->limit * 1e-6);
-    return program_check_memory(self->arguments[0], "snapshots", files->num_rows, "snapshots",
-                                " with this --memory", way->bytes, error);
+    return program_check_memory(self->caller->arguments[0], "snapshots", files->num_rows,
+                                "snapshots", " with this --memory", way->bytes, error);
 }
 
-static ehd_status finish_basis(reduced_basis *basis, const pod_basis *pressure,
-                               const pod_basis *deformation, const snapshot_set *files, bool exact,
-                               const program *self, const build_options *options,
-                               const char *const *inputs, ehd_error *error) {
-    const basis_origin origin = origin_of(pressure, deformation);
-    ehd_status status = weigh(basis, self, options, error);
+static ehd_status finish_basis(build_run *self, ehd_error *error) {
+    const basis_origin origin = origin_of(&self->pressure, &self->deformation);
+    ehd_status status = weigh(self, error);
 
-    if (!status) status = write_basis(basis, &origin, self, options, inputs, error);
-    if (!status) report(basis, &origin, files, exact);
-    if (!status) report_thinness(self, pressure, &basis->states, files);
+    if (!status) status = write_basis(self, &origin, error);
+    if (!status) report(self, &origin);
+    if (!status) report_thinness(self);
     return status;
 }
 
-static ehd_status finish_part(const reduced_basis *basis, const pod_basis *modes,
-                              const snapshot_set *files, const program *self,
-                              const build_options *options, const char *const *inputs,
-                              ehd_error *error) {
-    const ehd_status status = write_part(basis, modes, files, self, options, inputs, error);
+static ehd_status finish_part(const build_run *self, ehd_error *error) {
+    const ehd_status status = write_part(self, error);
 
     if (status) return status;
-    print_states(files);
+    print_states(&self->files);
     printf("compressed:  %zu modes of %zu snapshots, energy left out at most %.1e\n",
-           modes->num_modes, files->num_rows, pod_discarded(modes));
+           self->pressure.num_modes, self->files.num_rows, pod_discarded(&self->pressure));
     return EHD_OK;
 }
 
-static ehd_status build(const program *self, const build_options *options, ehd_error *error) {
-    snapshot_set files = {0};
-    reduced_basis basis = {0};
-    pod_basis pressure = {0}, deformation = {0};
-    bases_plan way;
-    const char **inputs = list_inputs(self, error);
-    ehd_status status = inputs
-                            ? snapshot_set_open(&files, self->arguments, self->num_arguments, error)
-                            : EHD_MEMORY;
+static ehd_status build(const program *caller, const build_options *options, ehd_error *error) {
+    build_run self = {.caller = caller, .options = options};
+    ehd_status status =
+        snapshot_set_open(&self.files, caller->arguments, caller->num_arguments, error);
 
-    if (!status) status = plan_memory(&way, &files, self, options, error);
+    if (!status) status = plan_memory(&self, error);
     if (!status)
-        status = bases_build(&basis, &pressure, &deformation, &files, &options->bases, &way,
-                             way.at_once ? NULL : self, error);
+        status = bases_build(&self.basis, &self.pressure, &self.deformation, &self.files,
+                             &options->bases, &self.way, self.way.at_once ? NULL : caller, error);
     if (!status)
-        status =
-            options->bases.as_part
-                ? finish_part(&basis, &pressure, &files, self, options, inputs, error)
-                : finish_basis(&basis, &pressure, &deformation, &files,
-                               way.at_once && files.num_parts == 0, self, options, inputs, error);
-    pod_free(&pressure);
-    pod_free(&deformation);
-    reduced_basis_free(&basis);
-    snapshot_set_close(&files);
-    free(inputs);
+        status = options->bases.as_part ? finish_part(&self, error) : finish_basis(&self, error);
+    pod_free(&self.pressure);
+    pod_free(&self.deformation);
+    reduced_basis_free(&self.basis);
+    snapshot_set_close(&self.files);
     return status;
 }
 

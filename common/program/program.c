@@ -335,7 +335,7 @@ static ehd_status take_mode(program *self, const char *last, ehd_error *error) {
             status = choose_mode(self, (size_t)(mode - self->modes), error);
             self->num_arguments--;
             memmove(self->arguments, self->arguments + 1,
-                    self->num_arguments * sizeof *self->arguments);
+                    (self->num_arguments + 1) * sizeof *self->arguments);
             break;
         }
     if (last) self->arguments[self->num_arguments++] = last;

@@ -67,7 +67,7 @@ typedef struct program {
     const char *vtk;        // --vtk FILE, written to `output`; NULL when not given
     const char **overrides; // --set key=value, in order; [num_overrides]
     size_t num_overrides;
-    const char **arguments; // positional; [num_arguments]
+    const char **arguments; // positional; [num_arguments], ended by NULL
     size_t num_arguments;
     const program_option *options;    // options that only this program has
     unsigned given;                   // bit i: options[i] was given
