@@ -67,123 +67,121 @@ static void print_methods(void) {
 
 // ---- the residuals
 
+typedef struct select_run {
+    const program *caller;
+    const select_options *options;
+    reduced_basis basis;
+    char identity[65]; // of the file with the basis
+    given_rows given;
+    residual_reader reader; // the reader's file is closed if all snapshots are in memory
+    residual_snapshots snapshots;
+    char *plan_text; // text of the training plan (`settings` of the file); NULL: no plan
+    row_choice choice;
+} select_run;
+
 /* Checks that the residuals were made on the grid of this basis and with this basis. */
-static ehd_status check_fit(artefact *file, const reduced_basis *basis, const char *basis_path,
-                            const char *identity, ehd_error *error) {
+static ehd_status check_fit(const select_run *self, artefact *file, ehd_error *error) {
+    const char *basis_path = self->options->basis;
     const contact_kind *kind;
     ehd_grid grid;
     char *made_with = NULL;
     ehd_status status = grid_read(&grid, &kind, file, error);
 
-    if (!status) status = grid_check(&grid, artefact_path(file), &basis->grid, basis_path, error);
+    if (!status)
+        status = grid_check(&grid, artefact_path(file), &self->basis.grid, basis_path, error);
     if (!status && artefact_has(file, "basis_sha256")) {
         status = artefact_get_text(file, "basis_sha256", &made_with, error);
-        if (!status && strcmp(made_with, identity))
+        if (!status && strcmp(made_with, self->identity))
             status = ehd_fail(error, EHD_DATA,
                               "%s: basis_sha256: found %.12s..., expected %.12s... of %s: they "
                               "were made with another basis",
-                              artefact_path(file), made_with, identity, basis_path);
+                              artefact_path(file), made_with, self->identity, basis_path);
     }
     free(made_with);
     return status;
 }
 
-typedef struct residual_input {
-    residual_reader reader; // the reader's file is closed if all snapshots are in memory
-    residual_snapshots snapshots;
-    char *plan_text; // text of the training plan (`settings` of the file); NULL: no plan
-} residual_input;
-
-static void residual_input_close(residual_input *input) {
-    artefact_close(&input->reader.file);
-    residual_snapshots_free(&input->snapshots);
-}
-
 /* Opens the file and reads everything except the snapshots. */
-static ehd_status open_residuals(residual_input *input, const char *path,
-                                 const reduced_basis *basis, const char *basis_path,
-                                 const char *identity, ehd_error *error) {
+static ehd_status open_residuals(select_run *self, ehd_error *error) {
     const artefact_schema *const kinds[] = {&schema_residuals, NULL};
-    residual_snapshots *snapshots = &input->snapshots;
-    artefact **file = &input->reader.file;
-    ehd_status status = artefact_open(file, path, kinds, error);
+    residual_snapshots *snapshots = &self->snapshots;
+    artefact **file = &self->reader.file;
+    ehd_status status = artefact_open(file, self->caller->arguments[0], kinds, error);
 
-    if (!status) status = check_fit(*file, basis, basis_path, identity, error);
+    if (!status) status = check_fit(self, *file, error);
     if (!status)
         status = residual_snapshots_init(snapshots, artefact_length(*file, "iteration"),
-                                         &input->reader, error);
+                                         &self->reader, error);
     for (size_t i = 0; i < snapshots->count && !status; i++)
         snapshots->state[i] = -1;
     if (!status && artefact_has(*file, "iteration_state"))
         status = artefact_get_integers(*file, "iteration_state", snapshots->state, snapshots->count,
                                        error);
     if (!status && artefact_has(*file, "settings"))
-        status = artefact_get_text(*file, "settings", &input->plan_text, error);
+        status = artefact_get_text(*file, "settings", &self->plan_text, error);
     return status;
 }
 
 /* Plans the memory before the snapshots are read, and prints the plan. If the snapshots do not fit
  * at once, also checks that the planned memory is free. */
-static ehd_status plan_memory(row_plan *way, const residual_input *input, const program *self,
-                              const reduced_basis *basis, const select_options *options,
-                              ehd_error *error) {
-    const residual_snapshots *snapshots = &input->snapshots;
-    const ehd_status status =
-        row_plan_make(way, snapshots, basis, &options->rows, options->memory, error);
+static ehd_status plan_memory(row_plan *way, const select_run *self, ehd_error *error) {
+    const residual_snapshots *snapshots = &self->snapshots;
+    const ehd_status status = row_plan_make(way, snapshots, &self->basis, &self->options->rows,
+                                            self->options->memory, error);
 
     if (status) return status;
     if (way->direct) {
-        program_detail(self, "%zu iterations at once, at most %.4g MB of %.4g MB", snapshots->count,
-                       way->bytes * 1e-6, way->limit * 1e-6);
+        program_detail(self->caller, "%zu iterations at once, at most %.4g MB of %.4g MB",
+                       snapshots->count, way->bytes * 1e-6, way->limit * 1e-6);
         return EHD_OK;
     }
-    program_note(self,
+    program_note(self->caller,
                  "%zu iterations of %zu nodes one after the other, in blocks of %zu, with room for "
                  "%zu directions: at most %.4g MB of %.4g MB",
-                 snapshots->count, basis->grid.num_inner, way->block, way->max_rank,
+                 snapshots->count, self->basis.grid.num_inner, way->block, way->max_rank,
                  way->bytes * 1e-6, way->limit * 1e-6);
-    return program_check_memory(self->arguments[0], "iterations", snapshots->count, "iterations",
-                                " with this --memory", way->bytes, error);
+    return program_check_memory(self->caller->arguments[0], "iterations", snapshots->count,
+                                "iterations", " with this --memory", way->bytes, error);
 }
 
 /* Reads all snapshots, or prepares the reader to stream them. */
-static ehd_status read_residuals(residual_input *input, const program *self,
-                                 const reduced_basis *basis, const select_options *options,
-                                 ehd_error *error) {
-    artefact *file = input->reader.file;
+static ehd_status read_residuals(select_run *self, ehd_error *error) {
+    const size_t num_inner = self->basis.grid.num_inner;
+    const size_t size = self->snapshots.count * num_inner;
+    artefact *file = self->reader.file;
     row_plan way;
-    ehd_status status = plan_memory(&way, input, self, basis, options, error);
+    ehd_status status = plan_memory(&way, self, error);
     if (status) return status;
 
     if (!way.direct) {
-        input->reader.caller = self;
-        input->reader.block = way.block;
-        input->reader.max_rank = way.max_rank;
+        self->reader.caller = self->caller;
+        self->reader.block = way.block;
+        self->reader.max_rank = way.max_rank;
         return EHD_OK;
     }
-    status = residual_snapshots_hold(&input->snapshots, basis->grid.num_inner, error);
+    status = residual_snapshots_hold(&self->snapshots, num_inner, error);
     if (!status)
-        status = artefact_get(file, "weighted_residual", input->snapshots.residuals,
-                              input->snapshots.count * basis->grid.num_inner, error);
+        status = artefact_get(file, "weighted_residual", self->snapshots.residuals, size, error);
     if (!status)
-        status = artefact_get(file, "weighted_jacobian_step", input->snapshots.steps,
-                              input->snapshots.count * basis->grid.num_inner, error);
-    artefact_close(&input->reader.file);
+        status = artefact_get(file, "weighted_jacobian_step", self->snapshots.steps, size, error);
+    artefact_close(&self->reader.file);
     return status;
 }
 
 // ---- the model
 
-static ehd_status write_model(const program *self, const select_options *options,
-                              const reduced_basis *basis, const row_choice *choice,
-                              const char *identity, const char *plan_text, ehd_error *error) {
+static ehd_status write_model(const select_run *self, ehd_error *error) {
+    const program *caller = self->caller;
+    const select_options *options = self->options;
+    const reduced_basis *basis = &self->basis;
+    const row_choice *choice = &self->choice;
     const row_settings *rows = &options->rows;
     const bool given_factors = rows->given && rows->given->factors;
-    const char *const inputs[] = {self->arguments[0], options->basis, options->rows_from, NULL};
+    const char *const inputs[] = {caller->arguments[0], options->basis, options->rows_from, NULL};
     const char *method = rows->given ? "given" : rows->method->name;
     const char *weights = given_factors ? NULL : rows->weights->name;
     const model_origin origin = {.method = method,
-                                 .basis_identity = identity,
+                                 .basis_identity = self->identity,
                                  .sigma_min_residual = choice->sigma_min_residual,
                                  .sigma_min_jacobian = choice->sigma_min_jacobian,
                                  .sigma_min_over_exits = choice->sigma_min_over_exits,
@@ -201,11 +199,12 @@ static ehd_status write_model(const program *self, const select_options *options
     snprintf(text, sizeof text, "method: %s\nrows: %zu\nweights: %s\ncontrol: %zu\n", method,
              choice->num_rows, weights ? weights : "given", choice->num_control);
     if (!status && options->no_check)
-        status = model_write(&model, basis, &origin, self, text, inputs, error);
-    if (!status && options->no_check) stage_end(&self->stage);
+        status = model_write(&model, basis, &origin, caller, text, inputs, error);
+    if (!status && options->no_check) stage_end(&caller->stage);
     if (!status && !options->no_check) {
-        const check_task task = {plan_text, self->arguments[0], text, inputs, options->num_jobs};
-        status = checked_model_write(worth, &model, basis, &origin, self, &task, error);
+        const check_task task = {self->plan_text, caller->arguments[0], text, inputs,
+                                 options->num_jobs};
+        status = checked_model_write(worth, &model, basis, &origin, caller, &task, error);
     }
     if (!status || status == EHD_UNTRUSTED)
         printf("%zu rows of %zu %s %s, %zu unknowns, state needed at %zu nodes, %zu control rows\n"
@@ -221,11 +220,11 @@ static ehd_status write_model(const program *self, const select_options *options
 }
 
 /* Reads the rows of --rows-from. Refuses --weights if the file has weights. */
-static ehd_status read_given(given_rows *given, const select_options *options,
-                             const reduced_basis *basis, ehd_error *error) {
-    ehd_status status = given_rows_read(given, options->rows_from, basis, error);
+static ehd_status read_given(select_run *self, ehd_error *error) {
+    const select_options *options = self->options;
+    ehd_status status = given_rows_read(&self->given, options->rows_from, &self->basis, error);
 
-    if (!status && given->factors && options->rows.weights)
+    if (!status && self->given.factors && options->rows.weights)
         return ehd_fail(error, EHD_USAGE,
                         "--weights: found %s, expected none: %s has weights of its own",
                         options->rows.weights->name, options->rows_from);
@@ -256,37 +255,32 @@ static ehd_status check_usage(const program *self, const select_options *options
     return EHD_OK;
 }
 
-static ehd_status run(const program *self, void *own, ehd_error *error) {
+static ehd_status run(const program *caller, void *own, ehd_error *error) {
     select_options *options = own;
-    residual_input input = {0};
-    reduced_basis basis = {0};
-    given_rows given = {0};
-    row_choice choice = {0};
+    select_run self = {.caller = caller, .options = options};
     ehd_error cause = {""};
-    char identity[65];
-    ehd_status status = check_usage(self, options, error);
+    ehd_status status = check_usage(caller, options, error);
 
-    if (!status) status = basis_read(&basis, identity, options->basis, error);
-    if (!status && options->rows_from) status = read_given(&given, options, &basis, error);
-    if (options->rows_from) options->rows.given = &given;
+    if (!status) status = basis_read(&self.basis, self.identity, options->basis, error);
+    if (!status && options->rows_from) status = read_given(&self, error);
+    if (options->rows_from) options->rows.given = &self.given;
     if (!options->rows.method) options->rows.method = selection_methods;
     if (!options->rows.weights) options->rows.weights = weightings;
-    if (!status)
-        status =
-            open_residuals(&input, self->arguments[0], &basis, options->basis, identity, error);
-    if (!status) status = read_residuals(&input, self, &basis, options, error);
+    if (!status) status = open_residuals(&self, error);
+    if (!status) status = read_residuals(&self, error);
     if (!status) {
-        status = row_choice_make(&choice, &input.snapshots, &basis, &options->rows, &cause);
-        if (status) ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text);
+        status =
+            row_choice_make(&self.choice, &self.snapshots, &self.basis, &options->rows, &cause);
+        if (status) ehd_fail(error, status, "%s: %s", caller->arguments[0], cause.text);
     }
-    residual_input_close(&input); // frees memory for the full solutions of the check
-    if (!status)
-        status = write_model(self, options, &basis, &choice, identity, input.plan_text, error);
-    free(input.plan_text);
-    row_choice_free(&choice);
+    artefact_close(&self.reader.file);
+    residual_snapshots_free(&self.snapshots); // frees memory for the full solutions of the check
+    if (!status) status = write_model(&self, error);
+    free(self.plan_text);
+    row_choice_free(&self.choice);
     options->rows.given = NULL;
-    given_rows_free(&given);
-    reduced_basis_free(&basis);
+    given_rows_free(&self.given);
+    reduced_basis_free(&self.basis);
     return status;
 }
 

@@ -279,20 +279,13 @@ static ehd_status train_adaptively(const program *self, training_set *set,
 /* Writes plans for parts with equally many candidates. */
 static ehd_status write_parts(const program *self, const training_set *set, size_t num_parts,
                               ehd_error *error) {
-    size_t *points = malloc((set->num_points + 1) * sizeof *points);
     const parts_request request = {.plan_path = self->arguments[0],
                                    .set = set,
-                                   .points = points,
                                    .num_points = set->num_points,
                                    .num_parts = num_parts,
                                    .force = self->force};
 
-    if (!points) return ehd_no_memory(error, self->arguments[0]);
-    for (size_t i = 0; i < set->num_points; i++)
-        points[i] = i;
-    const ehd_status status = parts_write(&request, self->output, error);
-    free(points);
-    return status;
+    return parts_write(&request, self->output, error);
 }
 
 /* Runs the first mode: the full model solves all points, or as many as adaptive training needs. */

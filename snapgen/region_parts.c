@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "snapgen/region_parts.h"
 
+#include "common/program/arena.h"
 #include "common/program/output_file.h"
 #include "common/settings/place.h"
 
@@ -22,15 +23,11 @@ typedef struct part {
     double low, high;
 } part;
 
-/* Allocates and returns ln M of the points, ascending. EHD_MEMORY. */
-static ehd_status sorted_places(double **places, const parts_request *of, ehd_error *error) {
-    *places = malloc((of->num_points + 1) * sizeof **places);
-    if (!*places) return ehd_no_memory(error, of->plan_path);
-
+/* Fills places, [num_points], with ln M of the points, ascending. */
+static void sort_places(double *places, const parts_request *of) {
     for (size_t i = 0; i < of->num_points; i++)
-        (*places)[i] = log(of->set->contacts[of->points[i]].moes_M);
-    gsl_sort(*places, 1, of->num_points);
-    return EHD_OK;
+        places[i] = log(of->set->contacts[of->points ? of->points[i] : i].moes_M);
+    gsl_sort(places, 1, of->num_points);
 }
 
 static part extent_of(const training_set *set) {
@@ -59,11 +56,12 @@ static ehd_status too_narrow(const parts_request *of, ehd_error *error) {
 static ehd_status cut(part *parts, const parts_request *of, ehd_error *error) {
     const part all = extent_of(of->set);
     const size_t last = of->num_parts - 1;
-    double *places, *border = NULL;
-    ehd_status status = sorted_places(&places, of, error);
+    arena memory = {0};
+    double *places = arena_array(&memory, of->num_points, sizeof *places);
+    double *border = arena_array(&memory, last + 2, sizeof *border);
+    ehd_status status = memory.failed ? ehd_no_memory(error, of->plan_path) : EHD_OK;
 
-    if (!status) border = malloc((last + 2) * sizeof *border);
-    if (!status && !border) status = ehd_no_memory(error, of->plan_path);
+    if (!status) sort_places(places, of);
     for (size_t k = 0; k <= last + 1 && !status; k++) {
         border[k] = k == 0      ? all.low
                     : k <= last ? places[k * of->num_points / of->num_parts]
@@ -76,8 +74,7 @@ static ehd_status cut(part *parts, const parts_request *of, ehd_error *error) {
         if (k > 0) parts[k].low -= REACH * fmin(width, border[k] - border[k - 1]);
         if (k < last) parts[k].high += REACH * fmin(width, border[k + 2] - border[k + 1]);
     }
-    free(border);
-    free(places);
+    arena_free(&memory);
     return status;
 }
 

@@ -11,7 +11,8 @@
 typedef struct parts_request {
     const char *plan_path;
     const training_set *set; // points of the plan
-    const size_t *points;    // [num_points] numbers in the set; each part gets equally many of them
+    // [num_points] numbers in the set; each part gets equally many of them; NULL: all points
+    const size_t *points;
     size_t num_points;
     size_t num_parts;
     bool force; // replaces existing files, never the plan

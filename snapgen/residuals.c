@@ -6,6 +6,7 @@
 #include "common/program/arena.h"
 #include "common/time/path_filter.h"
 #include "common/training/pool.h"
+#include "romrun/calibrate/check_scenes.h"
 #include "romrun/model/basis_file.h"
 #include "romrun/solve/guess.h"
 #include "romrun/solve/reduced_solver.h"
@@ -399,18 +400,13 @@ static ehd_status run_trajectories(repeated_training *training, const reduced_ba
 /* Removes all points that the basis was not trained on. */
 static ehd_status keep_trained(training_set *set, const reduced_basis *basis, const char *plan_path,
                                const char *basis_path, ehd_error *error) {
-    bool *keep = calloc(set->num_points + 1, sizeof *keep);
-    ehd_status status = keep ? EHD_OK : ehd_no_memory(error, plan_path);
+    ehd_status status = check_scenes_keep_trained(set, &basis->states, plan_path, error);
 
-    for (size_t i = 0; i < set->num_points && !status; i++)
-        keep[i] = reduced_states_have(&basis->states, &set->contacts[i]);
-    if (!status) status = training_set_keep(set, keep, plan_path, error);
     if (!status && set->num_points == 0)
         status = ehd_fail(error, EHD_DATA,
                           "%s: found no point that %s was trained on, expected the plan of its "
                           "training",
                           plan_path, basis_path);
-    free(keep);
     return status;
 }
 

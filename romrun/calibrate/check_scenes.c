@@ -31,14 +31,13 @@ static ehd_status make_set(training_set *set, const plan *of, const reduced_mode
     return status;
 }
 
-/* Removes points that failed or were not solved in the training. Keeps all trajectories. */
-static ehd_status keep_trained(training_set *set, const reduced_model *model, const char *name,
-                               ehd_error *error) {
+ehd_status check_scenes_keep_trained(training_set *set, const reduced_states *states,
+                                     const char *name, ehd_error *error) {
     bool *keep = calloc(set->num_points + 1, sizeof *keep);
     if (!keep) return ehd_no_memory(error, name);
 
     for (size_t i = 0; i < set->num_points; i++)
-        keep[i] = reduced_states_have(&model->states, &set->contacts[i]);
+        keep[i] = reduced_states_have(states, &set->contacts[i]);
     ehd_status status = training_set_keep(set, keep, name, error);
     free(keep);
     return status;
@@ -132,7 +131,7 @@ ehd_status check_scenes_choose(training_set *set, const reduced_model *model, co
 
     *set = (training_set){0};
     if (!status) status = make_set(&trained, &of, model, name, error);
-    if (!status) status = keep_trained(&trained, model, name, error);
+    if (!status) status = check_scenes_keep_trained(&trained, &model->states, name, error);
     if (!status) status = between_neighbours(&between, &of, &trained, name, error);
     if (!status && between.num_points == 0) status = nothing_between(name, error);
     if (!status) status = make_set(&candidates, &between, model, name, error);

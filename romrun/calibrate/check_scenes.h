@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Chooses the scenes on which a new model is checked. They lie between the training points
  * (between.h; deimselect/README.md, The check).
- * Called by deimselect/checked_model.c, and by snapgen/adaptive.c for the number of scenes. */
+ * Called by deimselect/checked_model.c, by snapgen/adaptive.c for the number of scenes, and by
+ * snapgen/residuals.c for the trained points. */
 #ifndef EHD_CHECK_SCENES_H
 #define EHD_CHECK_SCENES_H
 
@@ -11,6 +12,11 @@
 /* Returns the number of stationary check scenes for a model with `num_trained` stationary training
  * points. Fewer scenes may be available. `set` provides the lubricants. */
 size_t check_scenes_count(size_t num_trained, const training_set *set);
+
+/* Removes the points of a training's plan that failed or were not solved, so that they are not
+ * among `states`. Keeps all trajectories. Errors: EHD_MEMORY. */
+ehd_status check_scenes_keep_trained(training_set *set, const reduced_states *states,
+                                     const char *name, ehd_error *error);
 
 /* Chooses stationary scenes and trajectories on the grid of the model. Each lies half-way between
  * two neighbouring training points (between.h) and inside of the trained range, and none is a
