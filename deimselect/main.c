@@ -14,7 +14,6 @@
 #include "romrun/model/basis_file.h"
 #include "romrun/model/model_file.h"
 
-#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fullrun/full_result.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 run_result full_result(const full_info *info, const full_state *state, const ehd_contact *contact,

@@ -13,7 +13,6 @@
 #include "romrun/model/basis_file.h"
 
 #include <gsl/gsl_sort.h>
-#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -10,7 +10,6 @@
 #include "common/physics/traction.h"
 #include "common/program/arena.h"
 #include "common/time/march.h"
-#include <stdbool.h>
 
 enum {
     KEPT_TIMES = 64,

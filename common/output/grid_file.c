@@ -6,7 +6,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const double COARSEST_STEP = 0.25; // Bounds of the grid step, half widths, as for scenes
 

@@ -2,7 +2,6 @@
 #include "romrun/calibrate/validation.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 void validation_free(validation *self) {

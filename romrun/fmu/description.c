@@ -4,7 +4,6 @@
 #include "common/program/text.h"
 #include "romrun/library/ehdrom.h"
 
-#include <math.h>
 #include <string.h>
 
 const char fmu_identifier[] = "ehdrom_contact";

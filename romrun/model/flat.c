@@ -5,14 +5,12 @@
 #include "common/program/program.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 _Static_assert(sizeof(size_t) == 8 && sizeof(double) == 8, "numbers have 8 bytes");
 

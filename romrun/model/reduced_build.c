@@ -5,7 +5,6 @@
 #include "common/algebra/vectors.h"
 #include "common/program/program.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* Checks whether a node lies before the band and hence before any exit. */
