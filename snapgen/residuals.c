@@ -96,21 +96,16 @@ static void end_tracer(void *worker) {
 
 static ehd_status begin_tracer(void **worker, void *shared, ehd_error *error) {
     const repeated_training *training = shared;
-    const reduced_settings settings = reduced_default_settings();
     tracer *self = calloc(1, sizeof *self);
 
-    *worker = NULL;
+    *worker = self;
     if (!self) return ehd_no_memory(error, "residuals");
     self->num_rows = training->model->rows.num_rows;
     ehd_status status = reduced_state_init(&self->state, training->model, error);
-    if (!status) status = reduced_solver_create(&self->solver, training->model, &settings, error);
-    if (status) {
-        end_tracer(self);
-        return status;
-    }
-    reduced_solver_observe(self->solver, keep_iteration, end_iterations, self);
-    *worker = self;
-    return EHD_OK;
+    if (!status)
+        status = reduced_solver_create(&self->solver, training->model, &reduced_defaults, error);
+    if (!status) reduced_solver_observe(self->solver, keep_iteration, end_iterations, self);
+    return status;
 }
 
 /* Solves a point and keeps its iterations. The solver starts from the nearest trained solution of

@@ -145,11 +145,10 @@ static ehd_status begin_full(trajectory_run *self, const scene *given, ehd_error
 }
 
 static ehd_status begin_reduced(trajectory_run *self, const scene *given, ehd_error *error) {
-    const reduced_settings settings = reduced_default_settings();
     const task *owner = self->owner;
     size_t num_rows = owner->model->rows.num_rows;
     ehd_status status = reduced_march_create(&self->reduced, owner->model, owner->splines,
-                                             reference_of(self), &settings, error);
+                                             reference_of(self), &reduced_defaults, error);
 
     if (!status) status = pod_stream_create(&self->first, num_rows, &compression_stream, error);
     if (!status) status = pod_stream_create(&self->second, num_rows, &compression_stream, error);

@@ -108,7 +108,6 @@ static void end_judge(void *worker) {
 
 static ehd_status begin_judge(void **worker, void *shared, ehd_error *error) {
     const reduced_model *model = ((const judgement *)shared)->model;
-    const reduced_settings settings = reduced_default_settings();
     judge *self = calloc(1, sizeof *self);
 
     *worker = self;
@@ -117,7 +116,7 @@ static ehd_status begin_judge(void **worker, void *shared, ehd_error *error) {
     if (status) return status;
     self->indicator = indicator_create(model);
     if (!self->indicator) return ehd_no_memory(error, "online solver");
-    return reduced_solver_create(&self->solver, model, &settings, error);
+    return reduced_solver_create(&self->solver, model, &reduced_defaults, error);
 }
 
 static ehd_status judge_contact(void *shared, void *worker, size_t point, size_t parent,

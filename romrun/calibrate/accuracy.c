@@ -86,7 +86,7 @@ double accuracy_tolerance(double accuracy) {
     // accuracy dial; test_trade.c, a_promise_is_kept_or_the_result_flagged).
     const double part = 0.02;
 
-    return fmax(reduced_default_settings().tolerance, part * accuracy);
+    return fmax(reduced_defaults.tolerance, part * accuracy);
 }
 
 double accuracy_limit(double accuracy) {

@@ -8,7 +8,6 @@
 #include <string.h>
 
 static ehd_status create_marches(online_transient *self, ehd_error *error) {
-    const reduced_settings settings = reduced_default_settings();
     const size_t num_parts = self->model->num_parts;
     reduced_march *marches[MAX_PARTS] = {NULL};
     ehd_status status = EHD_OK;
@@ -16,7 +15,7 @@ static ehd_status create_marches(online_transient *self, ehd_error *error) {
     for (size_t p = 0; p < num_parts && !status; p++) {
         const model_part *part = &self->model->parts[p];
         status = reduced_march_create(&marches[p], &part->reduced, &part->splines, &self->reference,
-                                      &settings, error);
+                                      &reduced_defaults, error);
         if (!status) reduced_march_indicate(marches[p], part->in_time);
     }
     if (!status) return parts_march_create(&self->march, marches, num_parts, error);

@@ -167,16 +167,15 @@ ehd_status part_prepare_transient(model_part *self, ehd_error *error) {
 // ---- solver
 
 ehd_status part_solver_init(part_solver *self, const model_part *model, ehd_error *error) {
-    const reduced_settings settings = reduced_default_settings();
-
     self->model = model;
     self->indicator = indicator_create(&model->reduced);
     self->range_memory = range_memory_create(model->range);
     ehd_status status = reduced_state_init(&self->state, &model->reduced, error);
     if (!status && (!self->indicator || !self->range_memory))
         status = ehd_no_memory(error, "online solver");
-    return status ? status
-                  : reduced_solver_create(&self->reduced, &model->reduced, &settings, error);
+    return status
+               ? status
+               : reduced_solver_create(&self->reduced, &model->reduced, &reduced_defaults, error);
 }
 
 void part_solver_free(part_solver *self) {

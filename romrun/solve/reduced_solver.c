@@ -35,10 +35,7 @@ struct reduced_solver {
     arena memory;
 };
 
-reduced_settings reduced_default_settings(void) {
-    reduced_settings settings = {.tolerance = 1e-8, .max_iterations = 40};
-    return settings;
-}
+const reduced_settings reduced_defaults = {.tolerance = 1e-8, .max_iterations = 40};
 
 reduced_solver *reduced_solver_free(reduced_solver *self) {
     if (!self) return NULL;

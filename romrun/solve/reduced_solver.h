@@ -36,8 +36,8 @@ typedef struct reduced_settings {
     void *linear_context;
 } reduced_settings;
 
-/* Returns the default settings, named in the comments above. */
-reduced_settings reduced_default_settings(void);
+/* The default settings, named in the comments above. */
+extern const reduced_settings reduced_defaults;
 
 typedef struct reduced_info {
     ehd_status status; // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED (exit not settled)

@@ -25,7 +25,7 @@
 /* Makes one more iteration; returns the relative change of the central film. */
 static double another_iteration(const reduced_state *solution, const reduced_info *info,
                                 const reduced_model *model, const ehd_contact *contact) {
-    reduced_settings once = reduced_default_settings();
+    reduced_settings once = reduced_defaults;
     reduced_solver *solver;
     reduced_state state = {.coordinates = malloc(model->num_unknowns * sizeof(double)),
                            .exit = solution->exit,
@@ -108,7 +108,7 @@ static void solve_often(reduced_state *state, const reduced_model *model, reduce
 }
 
 int main(int argc, char **argv) {
-    reduced_settings settings = reduced_default_settings();
+    reduced_settings settings = reduced_defaults;
     scene given;
     ehd_contact contact;
     reduced_model model;

@@ -87,7 +87,7 @@ static void print(samples *self) {
 
 int main(int argc, char **argv) {
     static samples all;
-    reduced_settings settings = reduced_default_settings();
+    reduced_settings settings = reduced_defaults;
     reduced_model model;
     reduced_solver *solver;
     reduced_state state;

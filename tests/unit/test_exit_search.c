@@ -65,7 +65,7 @@ typedef struct own_steps {
 } own_steps;
 
 static void own_steps_init(own_steps *self, reduced_linear_solver *solve, void *context) {
-    reduced_settings settings = reduced_default_settings();
+    reduced_settings settings = reduced_defaults;
 
     settings.solve_linear = solve;
     settings.linear_context = context;
@@ -284,7 +284,7 @@ static void solve_in_narrow_band(const reduced_basis *basis, const ehd_contact *
                                  bool in_time, bool all_lines, size_t s, ptrdiff_t min,
                                  ptrdiff_t max) {
     reduced_problem reduced;
-    reduced_settings settings = reduced_default_settings();
+    reduced_settings settings = reduced_defaults;
 
     settings.exit_spacing = all_lines ? 0 : 2 * basis->grid.step;
     reduced_problem_init(&reduced, basis, NULL, 0, &settings);

@@ -182,7 +182,7 @@ static void control_residual_is_that_of_all_rows(void **state) {
 /* With few modes, results have errors. The estimate must lie between 0.1 and 1e4 times the largest
  * error, and decrease when modes are added. */
 static void bound_follows_the_deviation(void **state) {
-    const reduced_settings settings = reduced_default_settings();
+    const reduced_settings settings = reduced_defaults;
     double before = 0;
     (void)state;
 

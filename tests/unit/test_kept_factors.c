@@ -43,7 +43,7 @@ static double previous_film(void *context, size_t node) {
  * `shorter`. If `shorter` is 0, there are no such factors. */
 static reduced_info take_time_step(time_step *self, double shorter) {
     const ehd_contact *contact = &training.contacts[self->state];
-    reduced_settings settings = reduced_default_settings();
+    reduced_settings settings = reduced_defaults;
     reduced_problem reduced;
     double pressure[400], mass[400];
 
@@ -127,7 +127,7 @@ static void rows_are_linear_about_other_pressures(void **state) {
     const scene exponential = sample_scene("barus", "incompressible", 20, 10);
     ehd_contact barus;
     const ehd_contact *contact = &barus;
-    const reduced_settings settings = reduced_default_settings();
+    const reduced_settings settings = reduced_defaults;
     reduced_problem reduced;
     row_system system;
     node_state nodes;

@@ -169,7 +169,7 @@ static void model_is_refused(const model_sizes *sizes, const char *words_of_it) 
 
 /* Solves a contact between the training points. */
 static reduced_info solve(const reduced_model *model, double *coordinates) {
-    const reduced_settings settings = reduced_default_settings();
+    const reduced_settings settings = reduced_defaults;
     ehd_contact contact = training.contacts[4];
     reduced_state state = {.coordinates = coordinates};
     reduced_solver *solver;

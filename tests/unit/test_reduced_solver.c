@@ -340,7 +340,7 @@ static void truncated_bases_stay_near(void **state) {
  * another minimum of the residual. All 8 have the lightest load and the most viscous lubricant. */
 static void any_trained_solution_leads_to_any_other(void **state) {
     (void)state;
-    const reduced_settings settings = reduced_default_settings();
+    const reduced_settings settings = reduced_defaults;
     reduced_problem reduced;
     reduced_basis basis;
     trained published;
@@ -730,7 +730,7 @@ static ehd_status ignore_iteration(void *context, const double *residual, const 
 static void the_observer_is_told_what_became_of_a_solution(void **state) {
     (void)state;
     const reduced_settings settings[] = {{.tolerance = 1e-12, .max_iterations = 1},
-                                         reduced_default_settings()};
+                                         reduced_defaults};
     for (int i = 0; i < 2; i++) {
         reduced_problem reduced;
         ehd_status outcome = EHD_INTERNAL;
