@@ -2,9 +2,9 @@
 #include "deimselect/selection.h"
 
 #include "common/algebra/lapack.h"
+#include "common/program/arena.h"
 
 #include <lapacke.h>
-#include <stdlib.h>
 
 const selection_method selection_methods[] = {
     {"joint", selection_joint, 1, 0, false,
@@ -37,30 +37,26 @@ selection_bases selection_leading(const selection_bases *bases) {
 ehd_status selection_sigma_min(double *sigma_min, const double *modes, size_t num_columns,
                                size_t num_nodes, const size_t *rows, size_t num_rows,
                                ehd_error *error) {
-    double *sampled = NULL, *values = NULL;
-    ehd_status status;
+    arena memory = {0};
     *sigma_min = 0.0;
     if (num_columns == 0)
         return ehd_fail(error, EHD_DATA, "sigma_min: found no columns, expected at least one");
     if (num_rows < num_columns) return EHD_OK;
 
-    sampled = malloc(num_rows * num_columns * sizeof *sampled);
-    values = malloc(num_columns * sizeof *values);
-    if (!sampled || !values) {
-        status = ehd_no_memory(error, "sigma_min");
-        goto done;
-    }
-    for (size_t column = 0; column < num_columns; column++)
+    double *sampled = arena_table(&memory, num_rows, num_columns, sizeof *sampled);
+    double *values = arena_array(&memory, num_columns, sizeof *values);
+    ehd_status status = memory.failed ? ehd_no_memory(error, "sigma_min") : EHD_OK;
+    for (size_t column = 0; column < num_columns && !status; column++)
         for (size_t n = 0; n < num_rows; n++)
             sampled[column * num_rows + n] = modes[column * num_nodes + rows[n]];
     // 'N' computes no singular vectors; their leading dimensions only have to be positive
-    status = lapack_outcome("dgesdd",
-                            LAPACKE_dgesdd(LAPACK_COL_MAJOR, 'N', (int)num_rows, (int)num_columns,
-                                           sampled, (int)num_rows, values, NULL, 1, NULL, 1),
-                            error);
-    if (status == EHD_OK) *sigma_min = values[num_columns - 1];
-done:
-    free(sampled);
-    free(values);
+    if (!status)
+        status =
+            lapack_outcome("dgesdd",
+                           LAPACKE_dgesdd(LAPACK_COL_MAJOR, 'N', (int)num_rows, (int)num_columns,
+                                          sampled, (int)num_rows, values, NULL, 1, NULL, 1),
+                           error);
+    if (!status) *sigma_min = values[num_columns - 1];
+    arena_free(&memory);
     return status;
 }

@@ -3,9 +3,9 @@
 
 #include "common/algebra/product.h"
 #include "common/algebra/vectors.h"
+#include "common/program/arena.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 const weighting weightings[] = {
@@ -60,13 +60,12 @@ ehd_status weighting_quadrature(double *factors, const double *sampled, size_t n
     // rows. Every smallest weight from 1e-6 to 0.2 gives the same worst error, in four digits
     // (test_weighting.c, weights_stay_positive).
     const double min_weight = 0.05;
-    double *gram = malloc(num_rows * num_rows * sizeof *gram);
-    double *slope = malloc(num_rows * sizeof *slope);
-    ehd_status status = EHD_OK;
+    arena memory = {0};
+    double *gram = arena_table(&memory, num_rows, num_rows, sizeof *gram);
+    double *slope = arena_array(&memory, num_rows, sizeof *slope);
+    ehd_status status = memory.failed ? ehd_no_memory(error, "weights") : EHD_OK;
 
-    if (!gram || !slope) status = ehd_no_memory(error, "weights");
     if (!status) {
-        memset(gram, 0, num_rows * num_rows * sizeof *gram);
         for (size_t r = 0; r < num_rows; r++)
             add_product(gram + r * num_rows, sampled, num_modes, num_rows, num_modes,
                         sampled + r * num_modes);
@@ -87,7 +86,6 @@ ehd_status weighting_quadrature(double *factors, const double *sampled, size_t n
         for (size_t r = 0; r < num_rows; r++)
             factors[r] = sqrt(factors[r]);
     }
-    free(gram);
-    free(slope);
+    arena_free(&memory);
     return status;
 }
