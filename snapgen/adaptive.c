@@ -601,7 +601,7 @@ static bool is_too_wide(const adaptive *self) {
 /* Writes plans for two parts with half of the points each. The parts are then about equally hard to
  * train, since points are densest where the training is hard. */
 static ehd_status divide(adaptive *self, const adaptive_task *task, ehd_error *error) {
-    size_t *points = malloc((self->num_states + 1) * sizeof *points);
+    size_t *points = arena_array(&self->memory, self->num_states, sizeof *points);
     const parts_request request = {.plan_path = self->plan_path,
                                    .set = self->set,
                                    .points = points,
@@ -613,7 +613,6 @@ static ehd_status divide(adaptive *self, const adaptive_task *task, ehd_error *e
     for (size_t s = 0; s < self->num_states; s++)
         points[s] = self->states[s].point;
     const ehd_status status = parts_write(&request, task->parts, error);
-    free(points);
     self->divided = !status;
     return status;
 }

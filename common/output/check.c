@@ -5,7 +5,6 @@
 #include "common/output/result.h"
 #include "common/output/time_result.h"
 
-
 /* Reads the kind of contact and the number of points in time, which read_result needs. */
 static ehd_status look_at_result(const contact_kind **kind, size_t *num_times, artefact *file,
                                  ehd_error *error) {

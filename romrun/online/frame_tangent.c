@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/frame_tangent.h"
 
-
 /* Number of doubles in frame_quantities. All of its members are doubles. */
 enum { NUM_QUANTITIES = sizeof(frame_quantities) / sizeof(double) };
 _Static_assert(sizeof(frame_quantities) == NUM_QUANTITIES * sizeof(double), "doubles alone");
