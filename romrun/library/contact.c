@@ -79,7 +79,8 @@ ehdrom_status ehdrom_contact_read(ehdrom_contact *self, const char *path) {
 
     if (!status && !path)
         status = ehd_fail(&self->error, EHD_DATA, "scene: found no path, expected one");
-    if (!status) status = scene_read(&found, path, NULL, 0, &self->error);
+    if (status) return library_end(self, status);
+    status = scene_read(&found, path, NULL, 0, &self->error);
     if (!status) {
         self->settings = found;
         forget(self);
