@@ -11,8 +11,8 @@
 typedef struct given_rows {
     size_t count;
     size_t *rows;    // [count] indices of inner nodes; 0 is the first node of the first inner line
-    double *factors; // [count] factors of the row weights, in addition to D; NULL: the file has no
-                     // weights
+    double *factors; // [count] the least squares multiply each row by D of the basis and by this
+                     // factor; NULL: the file has no weights
 } given_rows;
 
 /* Reads a column or dataset `row` (also: rows, selected_row) and, if present, `weight` (weights,

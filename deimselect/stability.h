@@ -9,7 +9,7 @@
  * rows before each exit. The smallest singular value of all rows is then 1, and the value of a
  * selection is relative to this value. Without an exit, the value of a selection is the smallest
  * singular value of the modes sampled at the rows. The array `exits` of the bases must outlive the
- * object. */
+ * row_stability. */
 #ifndef EHD_STABILITY_H
 #define EHD_STABILITY_H
 
@@ -17,9 +17,10 @@
 
 typedef struct row_stability row_stability;
 
-/* Creates the object without selected rows. It uses the leading modes of the bases, over the rows
- * before each exit and over all rows. Directions of the modes that nearly vanish before an exit are
- * omitted for this exit. Errors: EHD_MEMORY, EHD_INTERNAL (LAPACK). */
+/* Creates a row_stability, in which no row is selected yet. The stability is later computed for the
+ * leading modes of both bases: for each exit of training, where only the rows before this exit
+ * count, and once for all rows. If a combination of modes (a direction) is nearly zero at all rows
+ * before an exit, it is omitted for this exit. Errors: EHD_MEMORY, EHD_INTERNAL (LAPACK). */
 ehd_status row_stability_create(
     // output:
     row_stability **self, // free with row_stability_free

@@ -212,7 +212,9 @@ static bool is_on_grid(const previous_carrier *self, double x, double y) {
     return !self->across || (y >= lines[0] && y <= lines[self->num_across - 1]);
 }
 
-/* Origin of the fluid in the frame of a state: fluid that is now at X was at stretch X - shift. */
+/* The place in the frame of a previous state that belongs to X in the current frame: stretch X -
+ * shift. With frame_shift it is the place from which the fluid at X comes. With a shift of 0 it is
+ * the same physical place as X. */
 typedef struct origin {
     double stretch, shift;
 } origin;
@@ -224,8 +226,7 @@ static double value_near(const spline *self, double x, size_t *near) {
     return spline_value(self, x, *near);
 }
 
-/* Interpolates the values on every line at the places from which the fluid at the inner nodes
- * comes. */
+/* Interpolates a field along every line, at the places that `from` gives for the inner nodes. */
 static void resample_along(double *along, spline *const *splines, origin from,
                            const previous_carrier *self) {
     const ehd_grid *grid = &self->reference.grid;
@@ -254,8 +255,9 @@ static void gather_column(previous_carrier *self, size_t i) {
     }
 }
 
-/* Interpolates a field at those inner nodes of the current frame whose origins lie on the state's
- * grid. */
+/* Interpolates a field of a previous state at the inner nodes of the current frame. `from` gives
+ * the place in the state's frame for each node. If this place lies outside of the state's grid, the
+ * value of the node in `inner` stays as it is. */
 static void resample(double *inner, spline *const *splines, origin from, previous_carrier *self) {
     const ehd_grid *grid = &self->reference.grid;
 
@@ -345,8 +347,8 @@ static double deflection_beyond(const previous_state *self, const previous_carri
     return sum;
 }
 
-/* Adds `weight` times rho H of a state, at the places from which the fluid at the inner nodes
- * comes. `surface`: NULL if smooth. */
+/* Adds `weight` times rho H of a state, at the places that `from` gives for the inner nodes.
+ * `surface`: NULL if smooth. */
 static void add_mass(double *mass, double weight, const previous_state *self,
                      const ehd_surface *surface, origin from, previous_carrier *carrier) {
     const ehd_contact *reference = &carrier->reference;

@@ -195,7 +195,8 @@ static ehd_status write_part(const build_run *self, ehd_error *error) {
     return part_write(&self->basis, &origin, self->caller, text, self->caller->arguments, error);
 }
 
-/* Refuses part files as input of --compress and of --deformation independent. */
+/* Refuses part files as input of --compress and of --deformation independent. A part file holds
+ * snapshots that an earlier run with --compress has compressed. */
 static ehd_status check_parts(const snapshot_set *files, const build_options *options,
                               ehd_error *error) {
     const snapshot_source *source = files->sources;

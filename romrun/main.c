@@ -38,10 +38,10 @@ typedef struct romrun_options {
     const char *model;
     const char *against;    // NULL: no comparison
     part_list models;       // files of the model: one file, or the files of a list
-    part_sizes sizes;       // sizes for each of these files
-    double accuracy;        // value of --accuracy, which selects the sizes; 0: not given
+    part_sizes sizes;       // numbers of modes and rows that are used of each of these files
+    double accuracy;        // value of --accuracy, which determines `sizes`; 0: not given
     accuracy_limits limits; // limits of other quantities
-    part_sizes fallback;    // most accurate sizes, used if `sizes` is not accurate enough
+    part_sizes fallback;    // most accurate numbers, used if `sizes` is not accurate enough
     // reason why no step of the reduced model is trusted; NULL: each step is judged by itself
     const char *distrust;
     const char *fall_back; // "full": fallback to the full model; NULL or "none": no fallback

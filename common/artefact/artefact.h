@@ -181,13 +181,13 @@ ehd_status artefact_sync(artefact *file, ehd_error *error);
  * pause of fifty times the duration of the last copy. If copying fails, the earlier copy stays. */
 void artefact_save(artefact *file);
 
-/* Returns from streaming to ordinary writing, for attributes that are known only at the end.
+/* Ends streaming and returns to ordinary writing, for attributes that are known only at the end.
  * artefact_finish calls this function if needed. Does nothing if the file is not streaming. */
 ehd_status artefact_end_streaming(artefact *file, ehd_error *error);
 
-/* Opens PATH.partial of an earlier run and starts streaming again. If the machine has been rebooted
- * since then and PATH.saved exists, PATH.saved is used instead. The axes and declared fields of the
- * file can also be read.
+/* Opens PATH.partial of an earlier run to continue it, and starts streaming again (see
+ * artefact_begin_streaming). If the machine has been rebooted since then and PATH.saved exists,
+ * PATH.saved is used instead. The axes and declared fields of the file can also be read.
  *
  * EHD_NOINPUT: there is no PATH.partial, or its run was interrupted before it streamed. EHD_DATA:
  * the file is damaged, or its schema or settings (scene_text_matches) differ. EHD_CANTCREATE: PATH
@@ -216,8 +216,8 @@ ehd_status artefact_check_input(artefact *file, const char *what, const char *pa
                                 ehd_error *error);
 
 /* Cuts the growing axis to its first `length` entries, checks these entries, and starts streaming
- * again. Call it only after artefact_resume. EHD_DATA: the file has fewer entries, kept entries are
- * damaged, or no axis grows. */
+ * again (see artefact_begin_streaming). Call it only after artefact_resume. EHD_DATA: the file has
+ * fewer entries, kept entries are damaged, or no axis grows. */
 ehd_status artefact_cut_axis(artefact *file, const char *name, size_t length, ehd_error *error);
 
 /* Copies all axes, fields and attributes of the schema from an opened file to an empty file of the

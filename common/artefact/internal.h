@@ -294,13 +294,14 @@ bool is_extendible(hid_t dataset);
 bool set_dataset_length(hid_t dataset, size_t length);
 bool extend_dataset(hid_t dataset, size_t length);
 
-/* Reads `count` entries along the first axis (WHOLE_FIELD: all of them) into `data`, which has room
- * for `room` numbers. EHD_DATA: the entries have more or fewer numbers. */
+/* Reads `count` entries of a dataset along its first axis, from entry `first` on, into `data`. The
+ * count WHOLE_FIELD stands for all entries. `data` has room for `room` numbers. EHD_DATA: the
+ * entries together do not have exactly `room` numbers. */
 #define WHOLE_FIELD ((size_t)-1)
 ehd_status read_entries(artefact *file, const char *name, artefact_type type, size_t first,
                         size_t count, void *data, size_t room, ehd_error *error);
-/* Writes `count` entries along the first axis (WHOLE_FIELD: all of them). Datasets on the growing
- * axis grow as needed. */
+/* Writes `count` entries of a dataset along its first axis, from entry `first` on. WHOLE_FIELD: all
+ * entries. Datasets on the growing axis grow as needed. */
 ehd_status write_entries(artefact *file, const char *name, artefact_type type, size_t first,
                          size_t count, const void *data, ehd_error *error);
 
@@ -313,7 +314,8 @@ ehd_status check_readable(const char *path, ehd_error *error);
 /* Recognises the schema and version of an open HDF5 file, checks attributes and fields, and learns
  * the axis lengths. */
 ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_error *error);
-/* Returns the name of the axis whose scale has unlimited length, or NULL. */
+/* Returns the name of the axis that can grow, or NULL. The HDF5 dimension scale of this axis, a
+ * dataset with the values of the axis, was created with unlimited length. */
 const char *find_growing(const artefact *file);
 /* Reads all of a field in slices, and checks its numbers. */
 ehd_status read_field(artefact *file, const artefact_field *field,

@@ -246,7 +246,9 @@ ehd_status put_entries(artefact *file, const char *name, artefact_type type, siz
                         file->schema->name);
     const bool exists = field_exists(file, field);
     ehd_status status = EHD_OK;
-    if (!exists && file->streaming) { // a resumed file: the earlier run has not declared the field
+    // While a file is streaming, no dataset can be created. In a resumed file the dataset may be
+    // missing because the run that began the file did not create it.
+    if (!exists && file->streaming) {
         status = ehd_fail(error, file->history_line ? EHD_DATA : EHD_INTERNAL,
                           "%s: found no field %s, expected a declared one", file->partial, name);
         return hdf5_blame(status, file->partial, error);

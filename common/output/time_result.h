@@ -53,7 +53,8 @@ typedef struct time_summary {
     double seconds_full; // time of the full model, all attempts
 } time_summary;
 
-/* Creates caller->output and starts streaming. Errors: see artefact_create.
+/* Creates caller->output and starts streaming: other programs can read the file while it is
+ * written. Errors: see artefact_create.
  * - `with_fields`: the file has pressure and film, at least at some points in time.
  * - `with_all_exits`: the file has the exit of every interval of pressure, for entrainment that
  *   reverses. Otherwise it has one exit per line.
@@ -81,10 +82,11 @@ ehd_status time_result_checkpoint(artefact *file,
                                   const double *restart, // [restart_size] of the file
                                   size_t num_entries, ehd_error *error);
 
-/* Opens NAME.partial of an earlier run and starts streaming again. Drops the entries after the last
- * whole checkpoint; the run computes these entries again. Returns EHD_NOINPUT if there is no such
- * file. Returns EHD_DATA if the file is damaged, or if its settings, model, tables, grid or
- * restart_size differ. Returns EHD_CANTCREATE in the same cases as artefact_resume. */
+/* Opens NAME.partial of an earlier run to continue it. Starts streaming again: other programs can
+ * read the file while it is written. Drops the entries after the last whole checkpoint; the run
+ * computes these entries again. Returns EHD_NOINPUT if there is no such file. Returns EHD_DATA if
+ * the file is damaged, or if its settings, model, tables, grid or restart_size differ. Returns
+ * EHD_CANTCREATE in the same cases as artefact_resume. */
 ehd_status time_result_resume(
     // output:
     artefact **file,

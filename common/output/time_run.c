@@ -21,14 +21,15 @@ static const double CHECKPOINT_PAUSE = 1, WRITE_PAUSE = 0.2;
 
 enum { MAX_WAITING = 256 }; // entries that are written together
 
-/* Totals of the whole trajectory for the report, besides the counters of march_state. All members
- * are doubles, so that the struct can be saved as numbers. */
+/* Sums and extremes over all time steps of a run, for the report at its end. The march counts steps
+ * and iterations itself (march_state). All members are doubles, so that the struct can be saved as
+ * numbers. */
 typedef struct run_totals {
     double seconds, seconds_rows, seconds_linear, seconds_exit; // as in time_summary
-    // smallest minimum film and largest central film
+    // smallest minimum film and largest central film of all times
     double min_film, max_film;
-    // effect of the time steps: integral of effect^2 over T for the central film, and the largest
-    // effect on each film
+    // effect of the time steps on the films (march_step): integral of effect^2 over T for the
+    // central film, and the largest effect on each film
     double effect_squares, max_effect, max_effect_minimum;
     double max_indicated, max_indicated_minimum; // error estimates of both films; NaN: unknown
     double max_inlet, time_of_inlet;             // largest effect of the inlet, and its T

@@ -63,7 +63,9 @@ typedef struct far_rays {
     double angle[FAR_RAYS];       // quadrature weight in phi
 } far_rays;
 
-/* The far field at the boundary nodes in a list of nodes, and along rays beyond the grid. */
+/* Factors of the far field that depend only on the grid, at the boundary nodes in a list of nodes,
+ * and along rays beyond the grid. The far field is the pressure around the grid of a point contact.
+ * far_field_film and far_field_pressure define r, q and S. */
 typedef struct far_field {
     size_t num;
     size_t *index;       // [num] positions of the boundary nodes in the list

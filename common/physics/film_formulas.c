@@ -4,8 +4,9 @@
 #include <math.h>
 #include <stddef.h>
 
-// Source: two steel bodies with E = 206 GPa and nu = 0.3. The constant is their reduced modulus
-// E', Pa.
+// Assumption for a contact without a modulus: both bodies are of steel, with E = 206 GPa and nu =
+// 0.3. The constant is their reduced modulus E', Pa. If E' is in fact 180 GPa, the formulas' films
+// change by at most 1.2 % (test_film_formulas.c, the_modulus_hardly_matters).
 static const double STEEL_MODULUS = 226e9;
 
 double film_moes(double moes_M, double moes_L) {

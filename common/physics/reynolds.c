@@ -778,14 +778,16 @@ typedef struct nodal_flow {
     double flow, square;
 } nodal_flow;
 
-/* Returns the thinned pressure flow at HERE, from the pressures at the nodes `before` and `after`.
- * `own` is the mobility at HERE without thinning. */
+/* Returns the pressure flow of a shear-thinned film at the node HERE of a stencil, from the
+ * pressures at the nodes `before` and `after`. `along`: the flow along the entrainment, else
+ * across. `own`: mobility at HERE without thinning. */
 static nodal_flow thinned_flow_at(const mobility *own, const row_nodes *at, int before, int after,
                                   bool along) {
     const size_t *node = at->stencil->node;
     const double film = at->film[node[NODE_HERE]], to_side = at->fluid->gradient_across;
     const double drop = (at->pressure[node[after]] - at->pressure[node[before]]) / 2;
-    const double change = fabs(drop) * (along ? 1 : to_side); // over one grid step along
+    // |pressure gradient| in the direction of the flow, times the grid step along the entrainment
+    const double change = fabs(drop) * (along ? 1 : to_side);
     const eyring_gradient gradient =
         eyring_gradient_of(at->fluid->gradient_thinning * film * change);
     mobility found = *own;

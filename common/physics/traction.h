@@ -50,8 +50,8 @@ stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure,
  * depends only on M, the Hertz pressure and the lubricant. Both numbers are 0 if the flow is not
  * thinned. */
 typedef struct flow_thinning {
-    // Newtonian shear stress of the sliding over Eyring's stress, at H = 1 with the viscosity at
-    // zero pressure
+    // Newtonian shear stress that the sliding causes, divided by the Eyring stress tau0; at H = 1,
+    // with the viscosity at zero pressure
     double sliding;
     double gradient; // h/(2 tau0) dp/dx at H = 1 and dP/dX = 1
 } flow_thinning;

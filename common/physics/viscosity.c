@@ -244,8 +244,8 @@ static double wlf(const ehd_lubricant *self, double pressure, double *derivative
     return wlf_log_absolute(constants, pressure, derivative) - constants[WLF_LOG_AT_ZERO];
 }
 
-/* Checks whether the viscosity has passed its maximum, or its pole, at this pressure. At all higher
- * pressures it has passed it too. */
+/* Checks whether the viscosity is at or beyond its maximum, or its pole, at this pressure. If this
+ * is true for one pressure, it is true for all higher pressures. */
 static bool wlf_is_beyond(const double *constants, double pressure) {
     double slope;
     const double y = wlf_shift(constants, pressure, &slope);

@@ -22,14 +22,16 @@ typedef struct stage {
 /* Returns the present stage. A variable that does not have this form is ignored. */
 stage stage_here(void);
 
-/* Stores the duration of the stage for the next run. */
+/* Writes the duration of the present stage into FILE (see above). The next run of the pipeline
+ * reads FILE to predict the time that is left. */
 void stage_end(const stage *self);
 
 /* Goes on to the next stage if the name of that stage is `last`, or ends in "-" and `last`. */
 void stage_next(stage *self, const char *last);
 
-/* Stores a lower bound in seconds for all later stages whose name is `last` or ends in "-" and
- * `last`. A failed write is not reported, because only the display of progress uses the file. */
+/* Writes a lower bound of the duration, in seconds, into FILE for all later stages whose name is
+ * `last` or ends in "-" and `last`. A failed write is not reported, because only the display of
+ * progress uses the file. */
 void stage_expect(const stage *self, const char *last, double seconds);
 
 /* Returns the seconds left in all stages. `left` is the time left in the present stage. If `whole`

@@ -12,7 +12,7 @@ typedef struct team_member {
     pthread_t thread;
 } team_member;
 
-/* The work that the threads are doing. */
+/* The job that the threads are doing. */
 typedef struct team_work {
     team_task *task;
     void *context;
@@ -23,8 +23,8 @@ struct team {
     pthread_mutex_t lock; // guards everything but `next`
     pthread_cond_t begun, ended;
     team_work work;
-    size_t num_works;      // pieces of work so far, one per call of team_share
-    bool open;             // parts of the work may be left
+    size_t num_works;      // number of jobs so far; each call of team_share is one job
+    bool open;             // parts of the job may be left
     bool closing;          // the threads must end
     size_t num_active;     // threads at work
     atomic_size_t next;    // next part that no thread has taken
@@ -45,7 +45,7 @@ static void do_parts(team *self, const team_work *work, size_t member) {
 static void *run_member(void *argument) {
     const team_member *own = argument;
     team *self = own->of;
-    size_t last = 0; // number of the last work in which this thread took part
+    size_t last = 0; // number of the last job in which this thread took part
 
     pthread_mutex_lock(&self->lock);
     for (;;) {
@@ -128,7 +128,7 @@ void team_share(team *self, size_t count, size_t size, team_task *task, void *co
     pthread_mutex_unlock(&self->lock);
     do_parts(self, &work, 0);
     pthread_mutex_lock(&self->lock);
-    self->open = false; // a thread that wakes up now finds no work
+    self->open = false; // a thread that wakes up now finds no job
     while (self->num_active > 0)
         pthread_cond_wait(&self->ended, &self->lock);
     pthread_mutex_unlock(&self->lock);

@@ -15,22 +15,23 @@
 
 typedef struct csv_file {
     char *path;
-    FILE *stream; // read row by row; NULL: the whole file is in `text`
-    char *text;   // the whole file, or the row read last; `names` and `fields` point into it
+    FILE *stream; // the file if it is read row by row; NULL: the whole file is in `text`
+    char *text;   // the whole file; if it is read row by row, only the row read last
     // `text`: number of bytes, number of allocated bytes, index of the first byte not yet parsed
     size_t length, room, at;
     char *line; // buffer for getline
     size_t line_room;
-    char *header;   // text that `names` point into, if the file is read row by row
+    char *header;   // the header line if the file is read row by row, else NULL
     size_t lines;   // lines parsed so far
     size_t bytes;   // bytes of the file parsed so far
     bool ended;     // whether the row read last ended with a line break, not with the file
     place where;    // first line of the row read last
     char separator; // between columns
     size_t width;   // number of columns
-    char **names;   // [width], "" where a column has no name
-    // [width], values of the row read last. They are valid until csv_close; after csv_open_rows
-    // only until the next row is read
+    // [width] pointers into `header` or, if it is NULL, into `text`; "" where a column has no name
+    char **names;
+    // [width] values of the row read last, pointers into `text`. They are valid until csv_close; in
+    // a file that is read row by row only until the next row is read
     char **fields;
 } csv_file;
 

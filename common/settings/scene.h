@@ -11,11 +11,11 @@
 
 /* The quantities that may vary in time. */
 enum { VARY_LOAD, VARY_SPEED, VARY_RADIUS, VARY_MODULUS, VARY_APPROACH, NUM_VARY };
-enum { MAX_FACTOR = 1000 };                    // largest magnitude of a factor on a reference value
+enum { MAX_FACTOR = 1000 };                    // largest |factor| that multiplies a reference value
 extern const char *const vary_names[NUM_VARY]; // "load", …: the keys of their histories
 
-/* The history of one quantity: a factor on its reference value, as a function of T = u_ref t /
- * a_ref. */
+/* The history of one quantity: the factor that multiplies its reference value, as a function of T =
+ * u_ref t / a_ref. */
 typedef struct history_settings {
     char law[16];          // constant, sine, ramp, step, table
     double amplitude;      // dimensionless
@@ -70,8 +70,8 @@ typedef struct transient_settings {
     double smoothing;  // filter length in half widths, for transport along the path
     double fixed_step; // length of fixed time steps in T; NaN: error control chooses the lengths
     double start_film; // central film H at T = 0 if the speed starts at zero
-    // factor on the reference speed; the film at T = 0 is the stationary film at this speed. NaN:
-    // factor of the speed's history at T = 0
+    // factor that multiplies the reference speed; the film at T = 0 is the stationary film at this
+    // speed. NaN: factor of the speed's history at T = 0
     double start_speed;
     history_settings vary[NUM_VARY];
 } transient_settings;
@@ -227,10 +227,11 @@ typedef struct plan_point {
     size_t group; // number of its group, from 0
 } plan_point;
 
-/* Quantities that `where` of a plan may bound. */
+/* Quantities to which the key `where` of a plan may give a lowest and a highest value: alpha p_H
+ * and the Moes number M. Only points between these values are solved. */
 enum { WHERE_ALPHA_P_H, WHERE_MOES_M, NUM_WHERE };
 
-/* Lowest and highest value of each WHERE_ quantity in a group; -inf..inf: no bound. */
+/* Lowest and highest allowed value of each WHERE_ quantity in a group; -inf and inf: no limit. */
 typedef struct plan_where {
     double bounds[NUM_WHERE][2];
 } plan_where;
@@ -250,7 +251,7 @@ typedef struct plan {
 
 /* The key of each quantity in `where`. */
 extern const char *const plan_where_keys[]; // [NUM_WHERE + 1], NULL at the end
-/* Returns bounds that exclude nothing. */
+/* Returns bounds that exclude no point. */
 plan_where plan_anywhere(void);
 
 /* Reads a plan (schemas/plan.md). Paths in the plan are relative to the plan's folder. Overrides

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Marches any model in time by BDF2 steps (bdf.h; README.md, BDF2). The march holds the accepted
- * states and, with transport along the path, the base (README.md, Along the path). It computes
- * local errors, and saves and restores states. A model supplies the functions of bdf_model.
+ * states. With transport along the path it also holds the base, which is the initial film; only the
+ * differences of later films from the base are carried along the path (README.md, Along the path).
+ * The march computes local errors, and saves and restores states. A model supplies the functions of
+ * bdf_model.
  * Called by fullrun/full_march.c and romrun/online/reduced_march.c. */
 #ifndef EHD_BDF_MARCH_H
 #define EHD_BDF_MARCH_H
@@ -111,7 +113,9 @@ typedef struct bdf_masses {
 typedef struct bdf_march {
     // set by the model:
     const bdf_model *model;
-    const ehd_contact *reference;               // contact with all factors equal to 1
+    // contact with reference values of load, speed, radius and modulus; the histories are factors
+    // on these values
+    const ehd_contact *reference;
     contact_frame *frame[NUM_BDF_PLACES];       // frames of the model's states
     size_t state_size, front_size, behind_size; // how many numbers save and save_rest write
     bdf_masses masses;

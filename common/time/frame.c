@@ -14,7 +14,8 @@ contact_frame frame_at(const contact_kind *kind, double time, const double *valu
                            .modulus = values[VARY_MODULUS],
                            .approach = approach};
 
-    // the ratio of half widths is the same for all contact shapes
+    // a/a_ref is computed for a circle: the shape of an ellipse would multiply both half widths by
+    // the same number
     frame.half_width = kind->half_width(&shape_round, frame.load, frame.radius, frame.modulus) /
                        kind->half_width(&shape_round, 1, 1, 1);
     frame.hertz_pressure =

@@ -227,13 +227,17 @@ static double least_distance(double time, double step) {
     return fmax(SLIVER * step, SUM_ROUNDING * time);
 }
 
-/* End of the next attempt. */
+/* The time at which the next attempted step ends. Events of the histories (kinks and jumps) whose
+ * times differ from this time by at most least_distance belong to the stop. */
 typedef struct next_stop {
     double time;
-    bool is_kink; // the histories have an event there
-    bool is_jump; // the histories jump there
-    // held: time of the first jump that belongs to this stop; equal to `time` if there is no jump.
-    // last: time of the last event that belongs to this stop; equal to `time` if there is no event.
+    bool is_kink; // an event belongs to the stop
+    bool is_jump; // one of these events is a jump
+    // held: time at which the histories are evaluated for the end of the step: `time` or, if
+    // earlier, the first jump that belongs to the stop. Histories take the values before a jump at
+    // the time of the jump itself.
+    //
+    // last: time of the last event that belongs to the stop; `time` if there is no event.
     double held, last;
 } next_stop;
 

@@ -334,8 +334,9 @@ static void set_position(ehd_surface *self, double of_length, const ehd_grid *gr
             given->speed > 0 ? first_x(grid) - self->front : last_x(grid) - self->rear;
 }
 
-/* Checks that `speed`, the speed of the heights, is the speed of one of the two surfaces. Without a
- * slide-roll ratio the speeds of the surfaces are not known, and any speed is accepted. */
+/* Checks that `speed`, with which the heights (waviness, dent or table) move, is the speed of one
+ * of the two surfaces. Both are relative to the mean speed of the surfaces. If the slide-roll ratio
+ * is NaN, the speeds of the surfaces are not known, and any speed is accepted. */
 static ehd_status check_slide_roll(double speed, double slide_roll, ehd_error *error) {
     const double faster = 1 + slide_roll / 2, slower = 1 - slide_roll / 2;
 

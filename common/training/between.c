@@ -245,8 +245,9 @@ ehd_status between_neighbours(plan *between, const plan *of, const training_set 
 
 // ---- choices
 
-/* Chooses at most `count` scenes far from one another. If the scenes are points, chooses at least
- * one for each lubricant of each group. */
+/* Chooses up to `count` scenes that are far from one another. If the scenes are stationary points,
+ * not trajectories, more scenes are chosen if necessary, so that each lubricant of each group of
+ * the plan has at least one. */
 static ehd_status spread(bool *chosen, const crowd *self, size_t count, ehd_error *error) {
     const bool each_kind = self->points != NULL;
     // squared distance to the nearest chosen scene

@@ -238,7 +238,8 @@ static void run_threads(pool *self) {
     free(threads);
 }
 
-/* Allocates the lists; only `ready` if there is no order and no point waits for another. */
+/* Allocates the arrays of the pool. If the points are taken by number and no point waits for
+ * another, only `ready` is needed. */
 static bool prepare(pool *self) {
     const pool_work *work = self->work;
     const size_t count = work->num_points;

@@ -270,11 +270,13 @@ static ehd_status make_tree(training_set *set, const size_t *branch, const char 
 
 // ---- parts
 
-/* Returns the number of branches of a plan. This number is about the square root of the number of
- * points, so that both cold starts and long chains of neighbours are few. The number is a multiple
- * of four, so that four shards have equal numbers of branches. The plan of stationary-line takes
- * 597 Newton iterations with this number of branches, 915 with one branch, and 748 with twice as
- * many branches. */
+/* Returns the number of branches of a plan. A branch is a run of successive points. Points start
+ * only from neighbours in their own branch, so each branch has at least one cold start. The number
+ * of branches is about the square root of the number of points, so that both cold starts and long
+ * chains of neighbours are few. The number is a multiple of four, so that four shards (the pieces
+ * of a plan that separate jobs solve) have equal numbers of branches. The plan of stationary-line
+ * takes 597 Newton iterations with this number of branches, 915 with one branch, and 748 with twice
+ * as many branches. */
 static size_t count_branches(size_t num_points) {
     size_t count = 4;
 

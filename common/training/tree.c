@@ -27,8 +27,9 @@ double tree_distance(const tree_point *left, const tree_point *right,
     return distance;
 }
 
-/* Returns the point to add next: the point nearest to its tree or, if no tree can grow, the point
- * with the least effort of a cold start, as the root of a new tree. */
+/* Returns the point that is added to the trees next: of all points that are not added yet, the
+ * point nearest to the tree of its family. If no such tree has points left, returns the point whose
+ * cold start takes the least effort; this point becomes the root of a new tree. */
 static size_t next_point(const tree_point *points, size_t num_points, const bool *added,
                          const double *nearest) {
     size_t best = NO_PARENT;

@@ -12,7 +12,8 @@
 
 enum { TREE_AXES = 4 };
 
-/* A point of the tree. Points of different families are never neighbours. */
+/* A point of the tree. A family is a set of points that may start from each other, such as points
+ * with the same lubricant. */
 typedef struct tree_point {
     size_t family;
     double place[TREE_AXES]; // coordinates; each is scaled to its range for Euclidean distances
@@ -22,7 +23,7 @@ typedef struct tree_point {
 /* Computes the divisor of each coordinate: its range over all points, or 1 if the range is 0. */
 void tree_scale(double scale[TREE_AXES], const tree_point *points, size_t num_points);
 
-/* Returns the scaled distance between two points; infinite between families. */
+/* Returns the scaled distance between two points; infinite if they belong to different families. */
 double tree_distance(const tree_point *left, const tree_point *right,
                      const double scale[TREE_AXES]);
 

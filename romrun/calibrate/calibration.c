@@ -15,12 +15,13 @@
 
 enum { REPEATS = 3 }; // number of solutions of each scene; the time is their median
 
-/* A shear law, and the ratio of the Newtonian stress at P = 0 and H = 1 to the Eyring or limiting
- * stress of the law, as in deimselect/cubature.c. The friction of each scene is measured for all
- * `slidings`, whatever the scene's own law is. The Eyring fluid of ratio 1e-1 has high stresses in
- * the whole contact. Errors caused by too few nodes, and by exits that are one node off, are
- * largest for this fluid. If the ratio 1e-1 is replaced by 1e-2, the estimates of 2 of 2235
- * frictions outside of the calibration are only 0.4 times the errors. */
+/* One way of sliding: a shear law, and the ratio of the Newtonian stress at P = 0 and H = 1 to the
+ * Eyring or limiting stress of the law, as in deimselect/cubature.c. The friction of each scene is
+ * measured for all entries of the table `slidings` below, whatever the scene's own law is. The
+ * Eyring fluid of ratio 1e-1 has high stresses in the whole contact. Errors caused by too few
+ * nodes, and by exits that are one node off, are largest for this fluid. If the ratio 1e-1 is
+ * replaced by 1e-2, the estimates of 2 of 2235 frictions outside of the calibration are only 0.4
+ * times the errors. */
 typedef struct sliding {
     const lubricant_law *law;
     double ratio;
@@ -33,8 +34,8 @@ static const sliding slidings[] = {{&shear_newtonian, 1},
                                    {&shear_limiting, 1e-2}};
 enum { NUM_SLIDINGS = sizeof slidings / sizeof *slidings };
 
-/* Returns a copy of a contact that slides with another shear law. The units of stress cancel, so
- * the contact may be dimensionless or in SI units. */
+/* Returns a copy of a contact that slides as an entry of `slidings` states. The units of stress
+ * cancel, so the contact may be dimensionless or in SI units. */
 static ehd_contact slide(const ehd_contact *contact, const sliding *how) {
     ehd_contact own = *contact;
     const double isoviscous = contact->lambda / 12 * contact->far_speed;
@@ -52,11 +53,11 @@ typedef struct samples {
     size_t count; // number of scenes that the model solved
     bool exits_are_nodes;
     double *deviation[NUM_TRADE_QUANTITIES]; // [count]
-    double *bound, *bound_minimum;           // [count] bounds of the central and minimum film
+    double *bound, *bound_minimum;           // [count] error bounds of central and minimum film
     double *indicated;                       // [count + failures] the larger of both film estimates
     double *effectivity;                // [count] estimate/error, the smaller ratio of both films
     double *off[NUM_INDICATED];         // [count] deviations of the other quantities
-    double *other_bound[NUM_INDICATED]; // [count] bounds of the other quantities
+    double *other_bound[NUM_INDICATED]; // [count] error bounds of the other quantities
     double *friction_off, *friction_bound; // [num_frictions]
     size_t num_frictions;                  // 0 if the model has no traction nodes
     double *seconds;                       // [count * REPEATS]
@@ -150,8 +151,8 @@ static void add_sample(samples *self, const online_result *result, const solved_
     self->count++;
 }
 
-/* Stores the friction errors and bounds of the scene that was added last. self->full_film must be
- * the film of this scene. */
+/* Stores the friction errors, and their bounds, of the scene that was added last. self->full_film
+ * must be the film of this scene. */
 static void add_frictions(samples *self, online_solver *solver, const solved_scene *solved) {
     for (size_t i = 0; i < NUM_SLIDINGS; i++) {
         const ehd_contact contact = slide(solved->contact, &slidings[i]);
@@ -223,8 +224,10 @@ static ehd_status fit_factors(trade_position *position, const samples *self, ehd
     return status ? status : fit_friction(position, self, error);
 }
 
-/* Fits the error estimates and evaluates their quantiles. The function must be called before the
- * deviations are sorted, because deviations and bounds must have the same order. */
+/* Fits the error estimates and evaluates their quantiles. An error estimate is a bound, computed
+ * from residuals, times a fitted factor. The fit compares the bound of each scene with the
+ * deviation, which is the true error of the same scene. The function must therefore be called
+ * before trade_quantile_of sorts the deviations. */
 static ehd_status fit_indicator(trade_position *position, samples *self, ehd_error *error) {
     const double *central = self->deviation[TRADE_CENTRAL_FILM];
     const double *minimum = self->deviation[TRADE_MINIMUM_FILM];

@@ -15,21 +15,21 @@ typedef struct solved_scene {
     contact_scalars scalars;
 } solved_scene;
 
-/* Measures errors and time on stationary scenes. Solves each scene several times on one thread, as
- * romrun does. `model` is opened with the model size position->sizes. Errors: those of
- * online_solve; EHD_INTERRUPTED, with an empty text. */
+/* Measures errors and computing time of one model size on stationary scenes. The caller has opened
+ * `model` with this size, position->sizes. Each scene is solved several times on one thread, as
+ * romrun does. Errors: those of online_solve; EHD_INTERRUPTED, with an empty text. */
 ehd_status calibration_measure(
     // output:
-    trade_position *position, // only the members for scenes are set
+    trade_position *position, // only the members about stationary scenes are set
     // input:
     const online_model *model, const solved_scene *scenes, size_t num_scenes, ehd_error *error);
 
-/* Measures errors and time on trajectories. The reduced model repeats each trajectory with the time
- * steps of the full model. The function prepares the model for transient scenes. Errors: those of
- * calibration_measure. */
+/* Measures errors and computing time of one model size on trajectories (transient scenes). The
+ * reduced model repeats each trajectory with the time steps of the full model. The function
+ * prepares the model for transient scenes. Errors: those of calibration_measure. */
 ehd_status calibration_measure_in_time(
     // output:
-    trade_position *position, // only the members for trajectories are set
+    trade_position *position, // only the members about trajectories are set
     // in and out:
     online_model *model,
     // input:

@@ -117,8 +117,9 @@ FMI2_EXPORT fmi2Status fmi2GetBooleanStatus(fmi2Component c, fmi2StatusKind kind
 
 // ---- not offered: refused by each instance
 
-/* List of the functions that are not offered, with their arguments: strings, derivatives in time,
- * steps that continue after the call returns, model exchange. */
+/* List of the functions of FMI 2.0 that no instance offers, with their arguments: functions for
+ * text variables, for time derivatives of inputs and outputs, for steps that continue after the
+ * call returns, and for model exchange. */
 #define FMI2_NOT_OFFERED(F)                                                                        \
     F(fmi2GetString,                                                                               \
       (fmi2Component c, const fmi2ValueReference refs[], size_t num, fmi2String values[]))         \

@@ -337,8 +337,9 @@ static bool start(fmu_instance *self) {
 
 // ---- the stationary response
 
-/* Sets parameters and conditions in the stationary contact. Its load is the force, even if the
- * approach is an input. */
+/* Sets parameters and conditions in self->stationary, the contact that computes the stationary
+ * outputs such as the stiffness. The load of this contact is `force`, even if the FMU has the
+ * approach and not the load as an input. */
 static bool set_stationary(fmu_instance *self, const conditions *at, double force) {
     ehdrom_contact *contact = self->stationary;
     const struct {

@@ -6,8 +6,9 @@
 
 /* Returns the contact of the last ehdrom_solve, with another reference point for the approach of a
  * line contact. This point lies at approach_length or, if this setting is not set, at
- * far_approach_length. With the point at 1 half width, which ehdrom_solve uses, the derivative of
- * the approach has no meaning. */
+ * far_approach_length. The point at 1 half width, which ehdrom_solve uses, lies at the edge of the
+ * contact. Relative to a point as near as this, a contact has no stiffness against the approach
+ * (schemas/scene.md, Histories), so the derivative of the approach has no meaning. */
 static ehd_contact contact_from_afar(const ehdrom_contact *self) {
     const double length = self->settings.approach_length;
     ehd_contact contact = self->solved;

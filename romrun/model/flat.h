@@ -37,9 +37,10 @@ ehd_status flat_read(flat *self, const char *path, ehd_error *error);
 ehd_status flat_write(flat *self, bool force);
 void flat_free(flat *self);
 
-/* Write or read one value each: a whole number from `least` to `most`, a real number, or an array
- * of `count` elements of `size` bytes. An array that was read is part of the mapped file. After a
- * failure the functions return `least`, 0 and NULL. */
+/* Write the next block or read it, depending on self->reading: a whole number from `least` to
+ * `most`, a real number, or an array of `count` elements of `size` bytes. flat_array returns an
+ * array that was read as a pointer into the mapped file; do not free it. After a failure flat_whole
+ * returns `least`, flat_real returns 0, and flat_array returns NULL. */
 size_t flat_whole(flat *self, const char *name, size_t value, size_t least, size_t most);
 double flat_real(flat *self, const char *name, double value);
 void *flat_array(flat *self, const char *name, void *array, size_t count, size_t size);

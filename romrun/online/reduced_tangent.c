@@ -67,8 +67,9 @@ static ehd_status singular(ehd_error *error) {
 
 // ---- the equations
 
-/* Evaluates the rows at the linearised state, up to its exits. With `with_cell`, also evaluates the
- * cell in which the exit lies. Returns whether this cell was found (exits_find_cell). */
+/* Evaluates the rows at self->state, around which the equations are linearised. Only rows before
+ * the exits of this state count. With `with_cell`, also evaluates the grid cell in which the exit
+ * of a stationary line contact lies. Returns whether this cell was found (exits_find_cell). */
 static bool evaluate(reduced_tangent *self, const reduced_equations *of, bool with_cell) {
     reduced_state *state = &self->state;
     const double approach = state->coordinates[self->model->num_unknowns - 1];

@@ -44,10 +44,13 @@ static size_t window_nodes(const reduced_model *model) {
     return (size_t)(WINDOW / model->grid.step) + 2;
 }
 
+/* Returns the first band node whose pressure the search before an exit needs. `window`: number of
+ * nodes before the exit at which rows are evaluated. */
 static size_t window_begin(const reduced_model *model, size_t exit, size_t window) {
     const size_t band_begin = model->band.lines[0].begin;
     size_t base = model->checkpoints.exit[reduced_model_checkpoint(model, &exit)];
-    size_t reach = window + reynolds_reach_back(&model->grid); // with the first row's stencil
+    // the stencil of the first row in the window extends upstream of the window
+    size_t reach = window + reynolds_reach_back(&model->grid);
     size_t begin = exit > band_begin + reach ? exit - reach : band_begin;
 
     return begin < base ? begin : base;

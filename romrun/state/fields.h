@@ -31,7 +31,8 @@ ehd_status field_modes_init(
     const reduced_model *model, const double *pressure_basis, ehd_error *error);
 void field_modes_free(field_modes *self);
 
-/* Computes `deflection` in a table that `self` owns. Errors: EHD_MEMORY. */
+/* Computes self->deflection, the deflections of the modes at all nodes. `self` owns the memory.
+ * Errors: EHD_MEMORY. */
 ehd_status field_modes_deflect(field_modes *self, const reduced_model *model, ehd_error *error);
 
 /* Writes the modes to a flat file (romrun/model/flat.h), or reads them from it instead of
@@ -51,7 +52,8 @@ ehd_status field_modes_fill(
     size_t margin, size_t side, const field_modes *self, const reduced_model *model,
     ehd_error *error);
 
-/* Computes P and H at all nodes, [num_nodes]; H follows from P for both kinds of bases. The
+/* Computes P and H at all nodes, [num_nodes]. H is the sum of approach, gap and the deflection that
+ * P causes, even if the basis has separate modes for the deflection (independent basis). The
  * function cannot fail and allocates no memory. */
 void reduced_fields(
     // output:

@@ -74,9 +74,9 @@ void nodes_band_films(double *film, const node_state *self, const double *z, siz
                       size_t count);
 double nodes_band_film(const node_state *self, const double *z, size_t node);
 
-/* Adds the sum of factors[i] dH/dz over `count` neighbouring nodes i to `target`, [num_unknowns].
- * The nodes lie on one grid line in the band. The derivative with respect to the rigid approach is
- * left out. */
+/* Adds the sum of factors[i] dH/dz over `count` neighbouring nodes i to `target`, [num_unknowns],
+ * where z are the coordinates of the state. The nodes lie on one grid line in the band. The
+ * derivative with respect to the rigid approach is left out. */
 void nodes_add_band_films(double *target, const double *factors, const node_state *self,
                           size_t node, size_t count);
 
@@ -106,8 +106,9 @@ reduced_pressures nodes_pressure_range(node_state *self, const double *z);
 /* Adds `factor` times a row of the present exit's cut table to `target`, [num_pressure]. */
 void nodes_add_cut_row(double *target, double factor, const node_state *self, size_t row);
 
-/* Adds `factor` times dH/dz at a needed node to `target`, [num_unknowns]. The derivative with
- * respect to the rigid approach is left out. */
+/* Adds `factor` times the derivative of H with respect to the coordinates z of the state, at needed
+ * node number `needed`, to `target`, [num_unknowns]. The rows need pressure and film only at the
+ * needed nodes. The derivative with respect to the rigid approach is left out. */
 void nodes_add_film_row(double *target, double factor, const node_state *self, size_t needed);
 
 /* Returns the change of H at X = 0 that a step of the coordinates causes. */

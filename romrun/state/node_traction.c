@@ -137,10 +137,10 @@ static double stress_at(double *largest, const ehd_contact *contact, double pres
 
 /* The largest shear stress is searched for at nodes whose pressure is at least this fraction of the
  * largest pressure. At other nodes the stress is smaller, because it falls with the pressure more
- * than it rises with a thinner film. The search uses the needed nodes. If the pressure gradient
- * thins the flow, the stress also depends on dP/dX. The search then uses only the nodes of the rows
- * themselves, because only these nodes have both neighbours along X (romrun/solve/README.md,
- * Traction). */
+ * than it rises with a thinner film. The search uses the needed nodes, which are all nodes of the
+ * rows' stencils. If the pressure gradient thins the flow, the stress also depends on dP/dX. The
+ * search then uses only the node of each row, in the middle of its stencil, because only there both
+ * neighbours along X are also needed nodes (romrun/solve/README.md, Traction). */
 static const double NEAR_LARGEST = 0.7;
 
 static void look_at_needed(double *largest, const node_state *self, const ehd_contact *contact) {

@@ -298,7 +298,9 @@ void time_indicator_start(time_indicator *self, double entrainment) {
 
 // ---- residuals of rows
 
-/* Checks whether the row of a control node was part of the least squares. */
+/* Checks whether the last least-squares problem contained the equation at control node i. It did
+ * not if the model has no row at this node. `influence` is 0 for rows that the problem did not
+ * contain. */
 static bool is_solved(const time_indicator *self, const double *influence, size_t i) {
     return self->row[i] != NO_NODE && influence[self->row[i]] != 0;
 }
