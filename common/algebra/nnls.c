@@ -2,6 +2,7 @@
 #include "common/algebra/nnls.h"
 
 #include "common/algebra/qr.h"
+#include "common/algebra/rounding.h"
 #include "common/algebra/vectors.h"
 #include "common/program/arena.h"
 
@@ -9,12 +10,6 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Largest round-off, for columns of unit length. A column can reduce the residual only if the
- * cosine of the angle between both exceeds this limit. A column depends on the columns in use if
- * its part orthogonal to them is not longer than this limit. With a limit of 1e-2, solutions are
- * not optimal (test_nnls.c, solutions_are_optimal). */
-static const double ROUND_OFF = 1e-11;
 
 /* Largest number of changes of the set of columns in use, per column of the matrix. After more
  * changes the search fails. One change per column is too few (test_nnls.c,
@@ -115,7 +110,8 @@ static ehd_status begin(active_set *self, const double *matrix, const double *ri
 }
 
 /* Returns the unused column whose scalar product with the residual is largest. Returns num_columns
- * if no product exceeds `least`. */
+ * if no product exceeds `least`: a column can reduce the residual only if the cosine of the angle
+ * between both is not round-off. */
 static size_t steepest(const active_set *self, double least) {
     const size_t first = self->num_used, left = self->num_rows - first;
     const double *residual = right_of(self) + first;
@@ -132,13 +128,14 @@ static size_t steepest(const active_set *self, double least) {
 }
 
 /* Adds a column to the columns in use. A Householder reflection of the rows from num_used on makes
- * the column triangular. Returns false if the column depends linearly on the columns in use. */
+ * the column triangular. Returns false if the column depends linearly on the columns in use: its
+ * part orthogonal to them is round-off. */
 static bool take(active_set *self, size_t taken) {
     const size_t first = self->num_used;
     const size_t left = self->num_rows - first;
     double *column = column_of(self, taken) + first;
     const double length = vector_norm(column, left);
-    if (!(length > ROUND_OFF)) return false;
+    if (!(length > ROUNDING)) return false;
 
     const reflection by = reflection_of(self->factor, column, left, length);
     for (size_t j = 0; j <= self->num_columns; j++) {
@@ -212,7 +209,7 @@ static double residual_of(const active_set *self) {
 }
 
 static ehd_status improve(active_set *self, double tolerance, ehd_error *error) {
-    const double length = residual_of(self), least = ROUND_OFF * length;
+    const double length = residual_of(self), least = ROUNDING * length;
 
     for (size_t change = 0; change < MAX_CHANGES * self->num_columns; change++) {
         if (residual_of(self) <= tolerance * length) return EHD_OK;

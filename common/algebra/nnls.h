@@ -10,8 +10,8 @@
 /* Finds the x >= 0 that minimises |A x - b|, by active sets (C. L. Lawson, R. J. Hanson, Solving
  * Least Squares Problems, 1974, chapter 23). Let r = b - A x be the residual of the solution. A
  * column a of A whose x is positive (a column in use) has a^T r = 0. All other columns have a^T r
- * <= 0. Both conditions hold to 1e-11 |a| |b|. Columns of zeros are omitted. Columns that depend
- * linearly on the columns in use, to 1e-11 of their length, are omitted too. The iteration ends
+ * <= 0. Both conditions hold to 1e-9 |a| |b|. Columns of zeros are omitted. Columns that depend
+ * linearly on the columns in use, to 1e-9 of their length, are omitted too. The iteration ends
  * earlier, with fewer columns in use, if |r| is at most tolerance |b|.
  *
  * Returns EHD_OK, EHD_DATA (a number is not finite), EHD_NOT_CONVERGED, EHD_MEMORY or EHD_INTERNAL.
