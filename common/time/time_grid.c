@@ -10,10 +10,9 @@
  * formula (common/physics/README.md, Default grid; test_time_grid.c, default_grids_suffice). */
 static const double USUAL_EFFECT = 0.03, LARGEST_EFFECT = 0.05;
 
-/* Numbers of points in time at which histories are sampled. NUM_TIMES is the least number,
- * MOST_TIMES the largest. TIMES_A_PERIOD is the number in one period (test_time_grid.c,
- * no_minimum_is_missed). */
-enum { NUM_TIMES = 1000, MOST_TIMES = 100000, TIMES_A_PERIOD = 25 };
+/* Number of points in time at which histories are sampled: NUM_TIMES in one period, or until the end
+ * if there is no period; at most MOST_TIMES in all (test_time_grid.c, no_minimum_is_missed). */
+enum { NUM_TIMES = 1000, MOST_TIMES = 100000 };
 
 /* Returns the stationary contact with the M and the Hertz pressure of a frame's contact. */
 static ehd_contact stationary_of(const ehd_contact *contact) {
@@ -42,7 +41,7 @@ static void lower_M(ehd_contact *contact, const ehd_histories *histories,
 static int count_times(const ehd_histories *histories, double end_time) {
     const double period = 2 * M_PI * histories_smooth_time(histories); // period of a sine
 
-    return (int)fmin(fmax(TIMES_A_PERIOD * end_time / period, NUM_TIMES), MOST_TIMES);
+    return (int)fmin(NUM_TIMES * fmax(end_time / period, 1), MOST_TIMES);
 }
 
 static ehd_contact contact_of_least_M(const ehd_histories *histories, const ehd_contact *reference,
