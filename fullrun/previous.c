@@ -13,14 +13,11 @@
 
 enum { POINTS = 6 }; // nodes per direction from which deflection_beyond interpolates
 
-/* Returns the grid with a margin around it. The margin covers the growth of a contact under 2.25
- * times its load, or the movement of fluid within a few time steps. */
-static ehd_grid wide_grid(const ehd_grid *grid, size_t *margin, size_t *side) {
-    // Width of the margin, divided by the largest |X| of the grid. Under 2.25 times the load the
-    // half width of a line contact grows by sqrt(2.25) - 1 = 0.5, that of a point contact by 0.31.
-    // Measured on scenes/examples/line-in-time under a load that rises to 2.25 within T = 0.3:
-    // every width from 0.05 on gives the same films.
-    const double growth = 0.5;
+/* Returns the grid with a margin around it. The margin covers the growth of the contact
+ * (frame_most_growth), or the movement of fluid within a few time steps. */
+static ehd_grid wide_grid(const ehd_contact *reference, size_t *margin, size_t *side) {
+    const ehd_grid *grid = &reference->grid;
+    const double growth = frame_most_growth(reference->kind, &grid->shape);
     const double x = fmax(fabs(grid_x(grid, 0)), fabs(grid_x(grid, grid->inner_x + 1)));
     const double y = grid->inner_lines > 1 ? grid_y(grid, grid->num_nodes - 1) : 0;
 
@@ -34,7 +31,7 @@ ehd_status previous_init(previous_state *self, const ehd_contact *reference, ehd
     const ehd_grid *grid = &reference->grid;
     bool compressible = reference->lubricant.density != NULL;
     size_t margin, side;
-    const ehd_grid wide = wide_grid(grid, &margin, &side);
+    const ehd_grid wide = wide_grid(reference, &margin, &side);
     ehd_status status = full_state_init(&self->state, grid, error);
 
     if (status) return status;
@@ -65,7 +62,7 @@ double previous_bytes(const ehd_contact *reference, size_t num_states) {
     const double of_wide_state = sizeof(double), of_deflection = 15 * sizeof(double);
     double splines = reference->lubricant.density ? 2 : 1;
     size_t margin, side;
-    const ehd_grid wide = wide_grid(&reference->grid, &margin, &side);
+    const ehd_grid wide = wide_grid(reference, &margin, &side);
 
     return (double)reference->grid.num_nodes *
                ((double)num_states * (of_state + splines * of_spline) + of_carrier) +
@@ -100,7 +97,7 @@ ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *refe
     bool across = grid->inner_lines > 1;
     if (across) self->across = spline_create(self->num_across);
     self->errors = splines_create(grid_lines(grid), width);
-    self->wide = wide_grid(grid, &self->margin, &self->side);
+    self->wide = wide_grid(reference, &self->margin, &self->side);
     self->deflection = deflection_create(reference->kind, &self->wide);
     if (memory->failed || (across && !self->across) || !self->errors || !self->deflection) {
         previous_carrier_free(self);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/time/frame.h"
 
+#include "common/algebra/rounding.h"
 #include "common/settings/scene.h"
 
 #include <math.h>
@@ -100,6 +101,13 @@ double frame_step_share(const contact_frame *frame, double step, const ehd_grid 
     // a sixteenth of the grid step: with a quarter of the grid step, films drifted when the fixed
     // time step was a fifth of frame_grid_step
     return fmin(16 * step / frame_grid_step(frame, grid), 1);
+}
+
+double frame_most_growth(const contact_kind *kind, const contact_shape *shape) {
+    const double widest = kind->half_width(shape, 2.25, 1, 1),
+                 own = kind->half_width(shape, 1, 1, 1);
+
+    return widest / own - 1 - ROUNDING;
 }
 
 double frame_film_ratio(const contact_frame *now, const contact_frame *then) {

@@ -78,14 +78,10 @@ static void fill_kernel_table(film_splines *self, const contact_kind *kind) {
 // ---- the modes
 
 /* Extends the model's grid upstream of the contact and at its sides. If the frame has grown with
- * the load, the nodes of the present frame lie farther out in a previous frame. The extended grid
- * is wide enough for a load that has become 2.25 times as large. */
+ * the load, the nodes of the present frame lie farther out in a previous frame (frame_most_growth). */
 static void widen_grid(film_splines *self, const reduced_model *model) {
     const ehd_grid *grid = &model->grid;
-    const contact_kind *kind = model->kind;
-    const contact_shape *shape = &grid->shape;
-    double growth =
-        kind->half_width(shape, 2.25, 1, 1) / kind->half_width(shape, 1, 1, 1) - 1 - ROUNDING;
+    const double growth = frame_most_growth(model->kind, &grid->shape);
     double y_max = grid_y(grid, grid->num_nodes - 1);
     size_t lines = (size_t)ceil(growth * y_max / grid_step_across(grid));
 
