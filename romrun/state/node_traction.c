@@ -135,33 +135,24 @@ static double stress_at(double *largest, const ehd_contact *contact, double pres
     return stress;
 }
 
-/* The largest shear stress is searched for at nodes whose pressure is at least this fraction of the
- * largest pressure. At other nodes the stress is smaller, because it falls with the pressure more
- * than it rises with a thinner film. The search uses the needed nodes, which are all nodes of the
- * rows' stencils. If the pressure gradient thins the flow, the stress also depends on dP/dX. The
- * search then uses only the node of each row, in the middle of its stencil, because only there both
+/* Searches for the largest shear stress at the needed nodes, which are all nodes of the rows'
+ * stencils. If the pressure gradient thins the flow, the stress also depends on dP/dX. The search
+ * then uses only the node of each row, in the middle of its stencil, because only there both
  * neighbours along X are also needed nodes (romrun/solve/README.md, Traction). */
-static const double NEAR_LARGEST = 0.7;
-
 static void look_at_needed(double *largest, const node_state *self, const ehd_contact *contact) {
     const double *pressure = self->now.pressure;
-    double most = 0;
 
-    for (size_t q = 0; q < self->model->rows.num_needed; q++)
-        most = pressure[q] > most ? pressure[q] : most;
     if (traction_thins_flow(contact)) {
         for (size_t r = 0; r < self->model->rows.num_rows; r++) {
             const size_t *node = self->model->rows.stencils[r].node, q = node[NODE_HERE];
             const double change = pressure[node[NODE_AHEAD]] - pressure[node[NODE_BACK]];
-            if (pressure[q] >= NEAR_LARGEST * most)
-                stress_at(largest, contact, pressure[q], self->now.film[q],
-                          change / (2 * self->model->grid.step));
+            stress_at(largest, contact, pressure[q], self->now.film[q],
+                      change / (2 * self->model->grid.step));
         }
         return;
     }
     for (size_t q = 0; q < self->model->rows.num_needed; q++)
-        if (pressure[q] >= NEAR_LARGEST * most)
-            stress_at(largest, contact, pressure[q], self->now.film[q], 0);
+        stress_at(largest, contact, pressure[q], self->now.film[q], 0);
 }
 
 /* The end of the pressurised zone on a grid line. */
