@@ -17,19 +17,17 @@
 enum { OF_VISCOSITY, OF_VISCOSITY_HALF, OF_DENSITY, NUM_DIFFERENCES };
 _Static_assert((int)NUM_DIFFERENCES <= (int)HULL_AXES, "the hull has no room for the differences");
 
-/* Largest difference between two lubricants that are taken as the same. Measured on 30 oils, with
- * alpha +-8 % and eta0 +-20 %, with a model of a point contact that was trained with one oil. For
- * differences up to 0.03 the error estimate is at least 1.2 times the error. From 0.03 to 0.05 it
- * is at least 0.64 times the error (README.md, Lubricants; test_known_lubricants.c,
- * one_lubricant_is_known_alone). */
-static const double TOLERANCE = 0.01;
-
 /* Smallest alpha p by which differences of ln(viscosity) are divided. At smaller alpha p any law
  * gives nearly the viscosity of zero pressure. If this limit is 100 instead of 1, a lubricant
  * between known lubricants is not recognised (test_known_lubricants.c,
  * lubricants_between_are_known). */
 static const double LEAST_ALPHA_P = 1;
 
+/* Two lubricants are taken as the same if they differ by at most default_accuracy. Measured on 30
+ * oils, with alpha +-8 % and eta0 +-20 %, with a model of a point contact that was trained with one
+ * oil. For differences up to 0.03 the error estimate is at least 1.2 times the error. From 0.03 to
+ * 0.05 it is at least 0.64 times the error (README.md, Lubricants; test_known_lubricants.c,
+ * one_lubricant_is_known_alone). */
 struct known_lubricants {
     size_t count;
     shown_lubricant *of; // [count]
@@ -139,7 +137,7 @@ static size_t list(double *columns, const known_lubricants *self, const ehd_lubr
         double here[NUM_DIFFERENCES];
         if (!self->in_both[i] && self->of[i].in_time != in_time) continue;
         if (!compare(here, &self->of[i], lubricant)) continue;
-        if (length_of(here) <= TOLERANCE) return like;
+        if (length_of(here) <= default_accuracy) return like;
         for (int d = 0; d < NUM_DIFFERENCES; d++)
             columns[(size_t)d * stride + count] = here[d];
         count++;
@@ -156,7 +154,7 @@ static bool is_between(const known_lubricants *self, lubricant_memory *memory, i
     const double none[NUM_DIFFERENCES] = {0};
 
     return hull_distance_in(memory->hull, memory->differences + (size_t)first * self->count,
-                            self->count, (size_t)num, none) <= TOLERANCE;
+                            self->count, (size_t)num, none) <= default_accuracy;
 }
 
 static const char *explain(lubricant_memory *memory, const known_lubricants *self,
