@@ -208,9 +208,6 @@ static size_t fill_terms(double terms[MAX_TERMS], const neighbour *self, size_t 
  * then differs from 1. `differs`, [NUM_COORDINATES]: coordinates in which neighbours differ. */
 static bool fit_weights(double *weights, const neighbour *nearest, size_t count,
                         const neighbour_fit *fit, const bool *differs) {
-    // Largest difference of the sum of the weights from 1. The sum is 1 if the neighbours
-    // determine the fit (test_guess.c, nearest_on_a_line_and_far_away).
-    const double slack = 1e-6;
     double normal[MAX_TERMS * MAX_TERMS] = {0}, unit[MAX_TERMS] = {1}, magnitude = 0, sum = 0;
     double terms[NUM_NEIGHBOURS][MAX_TERMS], strength[NUM_NEIGHBOURS];
     size_t num = fit->num_terms;
@@ -232,7 +229,7 @@ static bool fit_weights(double *weights, const neighbour *nearest, size_t count,
         magnitude += fabs(weights[i]);
         sum += weights[i];
     }
-    return magnitude < fit->max_weight && fabs(sum - 1) < slack;
+    return magnitude < fit->max_weight && fabs(sum - 1) < ROUNDING;
 }
 
 /* Computes state = sum over i of weights[i] times states[i]. */
