@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/physics/grid_choice.h"
 
+#include "common/algebra/rounding.h"
 #include "common/physics/film_formulas.h"
 
 #include <math.h>
@@ -119,13 +120,11 @@ static double load_effect(const ehd_contact *contact, double length) {
     const double moes_L = contact_moes_L(contact);
     const contact_shape *shape = &contact->grid.shape;
     const bool line = kind->dimensions == 1;
-    // Change of ln M in the difference quotient. Changes from 1e-6 to 0.5 give grids that begin at
-    // the same X, for line contacts with M = 0.5, 1 and 2 (README.md, Default grid).
-    const double change = 1e-3;
+    const double change = difference_distance(); // of ln M
     const double moes_M = contact->moes_M, lambda = contact->lambda / kind->load;
     const double thicker = log(kind->central_film(shape, moes_M * exp(-change), moes_L) /
-                               kind->central_film(shape, moes_M, moes_L)) /
-                           change;
+                               kind->central_film(shape, moes_M * exp(change), moes_L)) /
+                           (2 * change);
 
     if (line) return 2 * lambda * fmax(thicker - 1, 0) / (length * length);
     return 1.66 * 1.925 * lambda * (thicker - 2. / 3) / length;

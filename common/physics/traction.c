@@ -2,6 +2,7 @@
 #include "common/physics/traction.h"
 
 #include "common/algebra/gauss.h"
+#include "common/algebra/rounding.h"
 #include "common/physics/eyring_flow.h"
 #include "common/physics/far_field.h"
 
@@ -43,27 +44,21 @@ double contact_shear_stress(const ehd_contact *contact, double pressure, double 
     return copysign(eyring * eyring_stress(&of, newtonian / eyring), viscous);
 }
 
-/* Distance of the difference quotients: change of the pressure in Hertz pressures, change of the
- * film relative to the film, and change of the gradient dP/dX. Error of the derivatives of the
- * friction (`limiting` law): 1e-6 with a distance of 1e-5, and 6e-5 with a distance of 1e-4
- * (test_traction.c, slopes_are_those_of_the_laws). */
-static const double DISTANCE = 1e-5;
-
 stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure, double film,
                                     double gradient) {
-    const double thickness = DISTANCE * film;
-    const double by_pressure = contact_shear_stress(contact, pressure + DISTANCE, film, gradient) -
-                               contact_shear_stress(contact, pressure - DISTANCE, film, gradient);
+    const double distance = difference_distance(), thickness = distance * film;
+    const double by_pressure = contact_shear_stress(contact, pressure + distance, film, gradient) -
+                               contact_shear_stress(contact, pressure - distance, film, gradient);
     const double by_film = contact_shear_stress(contact, pressure, film + thickness, gradient) -
                            contact_shear_stress(contact, pressure, film - thickness, gradient);
     const double by_gradient =
         traction_thins_flow(contact)
-            ? contact_shear_stress(contact, pressure, film, gradient + DISTANCE) -
-                  contact_shear_stress(contact, pressure, film, gradient - DISTANCE)
+            ? contact_shear_stress(contact, pressure, film, gradient + distance) -
+                  contact_shear_stress(contact, pressure, film, gradient - distance)
             : 0;
 
-    return (stress_slopes){by_pressure / (2 * DISTANCE), by_film / (2 * thickness),
-                           by_gradient / (2 * DISTANCE)};
+    return (stress_slopes){by_pressure / (2 * distance), by_film / (2 * thickness),
+                           by_gradient / (2 * distance)};
 }
 
 bool traction_thins_flow(const ehd_contact *contact) {
