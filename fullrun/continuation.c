@@ -63,14 +63,13 @@ static void start_dry(full_state *state, full_solver *solver, const ehd_contact 
 static void add_effort(full_info *total, const full_info *part) {
     size_t newton = total->newton_iterations + part->newton_iterations;
     size_t gmres = total->gmres_iterations + part->gmres_iterations;
-    double rows = total->seconds_rows + part->seconds_rows;
-    double linear = total->seconds_linear + part->seconds_linear;
+    solve_seconds seconds = total->seconds;
 
+    solve_seconds_add(&seconds, &part->seconds);
     *total = *part;
     total->newton_iterations = newton;
     total->gmres_iterations = gmres;
-    total->seconds_rows = rows;
-    total->seconds_linear = linear;
+    total->seconds = seconds;
 }
 
 /* Returns a contact between start (s = 0) and goal (s = 1). Interpolates linearly in s: L, p_H, ln
@@ -269,7 +268,7 @@ ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solv
             add_effort(info, &part);
         }
     }
-    info->seconds = program_seconds() - before;
+    info->seconds.total = program_seconds() - before;
     return status;
 }
 
@@ -285,6 +284,6 @@ ehd_status full_solve_from(full_info *info, full_state *state, full_solver *solv
         status = full_solve_cold(&part, state, solver, contact, error);
         add_effort(info, &part);
     }
-    info->seconds = program_seconds() - before;
+    info->seconds.total = program_seconds() - before;
     return status;
 }

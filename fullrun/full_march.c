@@ -97,7 +97,7 @@ static void set_bdf_march(full_march *self) {
     bdf_march_init(bdf, grid->num_inner, &self->memory);
     bdf->model = &model;
     bdf->reference = &self->reference;
-    bdf->effort.seconds_exit = NAN;
+    bdf->seconds.exit = NAN; // not measured
     bdf->masses.node = node;
     for (size_t i = 0; i < NUM_BDF_PLACES; i++)
         bdf->frame[i] = &self->states[i].frame;
@@ -145,14 +145,6 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
 
 static previous_state *state_before(full_march *self, size_t steps) {
     return &self->states[bdf_march_place(&self->bdf, steps)];
-}
-
-static void add_effort(full_march *self, const full_info *info) {
-    march_effort *effort = &self->bdf.effort;
-
-    effort->seconds_rows += info->seconds_rows;
-    effort->seconds_linear += info->seconds_linear;
-    effort->iterations += info->newton_iterations;
 }
 
 // ---- the start
@@ -357,7 +349,7 @@ static ehd_status find_start(full_info *info, full_march *self, const contact_fr
         status = continue_to_approach(info, self, &first->frame, error);
     if (!status && info->status == EHD_OK && surface_rests(self->reference.surface))
         status = add_surface(info, self, &first->frame, error);
-    if (!status) add_effort(self, info);
+    if (!status) solve_seconds_add(&self->bdf.seconds, &info->seconds);
     return status;
 }
 
@@ -398,7 +390,7 @@ static ehd_status find_mirrored_start(full_info *info, double *exit, full_march 
     if (!status) {
         const previous_state *found = state_before(mirror, 0);
         *exit = -full_evaluate_scalars(&found->state, &reference).exit_position;
-        add_effort(self, info);
+        solve_seconds_add(&self->bdf.seconds, &info->seconds);
         first->frame = found->frame;
         first->frame.speed = frame->speed;
         mirror_state(&first->state, &found->state, grid);
@@ -718,7 +710,7 @@ static ehd_status solve(march_step *outcome, void *solver, const ehd_contact *co
     predict(self);
     ehd_status status = full_solve(&info, &next->state, self->solver, contact, &squeeze, error);
     if (status) return status;
-    add_effort(self, &info);
+    solve_seconds_add(&self->bdf.seconds, &info.seconds);
     outcome->status = info.status;
     outcome->reason = info.reason;
     outcome->scalars = full_evaluate_scalars(state, contact);
@@ -793,7 +785,7 @@ static ehd_status touching(double *approach, double *load, void *solver, const c
         if (contact.moes_M < MIN_MOES_M && !isnan(*load)) return EHD_OK;
         const ehd_status status = start_with_load(&info, self, &light, error);
         if (status) return status;
-        add_effort(self, &info);
+        solve_seconds_add(&self->bdf.seconds, &info.seconds);
         const bool trusted = !info.status && !full_judge(reason, &info, &scratch->state, &contact);
         if (info.status || (!trusted && !isnan(*load))) return EHD_OK;
         *approach = reference_approach(self, &scratch->state, &light);

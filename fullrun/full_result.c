@@ -5,22 +5,12 @@
 
 run_result full_result(const full_info *info, const full_state *state, const ehd_contact *contact,
                        bool with_fields) {
-    const contact_scalars scalars = full_evaluate_scalars(state, contact);
-
     return (run_result){.pressure = with_fields ? state->pressure : NULL,
                         .film = with_fields ? state->film : NULL,
-                        .central_film_thickness = scalars.central_film_thickness,
-                        .minimum_film_thickness = scalars.minimum_film_thickness,
-                        .central_pressure = scalars.central_pressure,
-                        .rigid_approach = scalars.rigid_approach,
-                        .exit_position = scalars.exit_position,
-                        .load = scalars.load,
+                        .scalars = full_evaluate_scalars(state, contact),
                         .newton_iterations = info->newton_iterations,
                         .residual = info->residual,
-                        .seconds = info->seconds,
-                        .seconds_rows = info->seconds_rows,
-                        .seconds_linear = info->seconds_linear,
-                        .seconds_exit = NAN};
+                        .seconds = info->seconds};
 }
 
 ehd_status full_exits(double **exits, const full_state *state, const ehd_grid *grid,
@@ -39,7 +29,8 @@ ehd_status full_exits(double **exits, const full_state *state, const ehd_grid *g
 }
 
 static int compare_seconds(const void *left, const void *right) {
-    const double a = ((const full_info *)left)->seconds, b = ((const full_info *)right)->seconds;
+    const double a = ((const full_info *)left)->seconds.total;
+    const double b = ((const full_info *)right)->seconds.total;
 
     return (a > b) - (a < b);
 }

@@ -502,7 +502,7 @@ static ehd_status find_step(full_info *info, const full_state *state, full_solve
     const double tolerance = linear_tolerance(self, info->residual);
     const double before = program_seconds();
     ehd_status status = self->settings.solve_linear(&system, tolerance, &iterations, error);
-    info->seconds_linear += program_seconds() - before;
+    info->seconds.linear += program_seconds() - before;
     info->gmres_iterations += iterations;
     if (status == EHD_NOT_CONVERGED) info->reason = "linear system singular";
     if (status) return status;
@@ -843,6 +843,7 @@ static void info_start(full_info *info) {
     memset(info, 0, sizeof *info);
     info->status = EHD_NOT_CONVERGED;
     info->residual = INFINITY;
+    info->seconds.exit = NAN;
     info->reason = "";
 }
 
@@ -854,8 +855,8 @@ static ehd_status solve(full_info *info, full_state *state, full_solver *self,
     info_start(info);
     self->seconds_rows = 0;
     ehd_status status = newton(info, state, self, contact, squeeze, within_node, error);
-    info->seconds_rows = self->seconds_rows;
-    info->seconds = program_seconds() - before;
+    info->seconds.rows = self->seconds_rows;
+    info->seconds.total = program_seconds() - before;
     return status;
 }
 

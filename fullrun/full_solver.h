@@ -12,6 +12,7 @@
 #include "common/physics/far_field.h"
 #include "common/physics/reynolds.h"
 #include "common/physics/traction.h"
+#include "common/program/solve_seconds.h"
 #include "common/program/status.h"
 #include "common/program/team.h"
 #include <stdbool.h>
@@ -58,10 +59,8 @@ typedef struct full_info {
     // largest scaled residual of the load balance and of the Reynolds rows at nodes with pressure
     double residual;
     double complementarity; // violation of the exit conditions: max(-P), scaled max(-Lambda)
-    double seconds;
-    // parts of `seconds`: seconds_rows for rows and deflection, seconds_linear for linear systems
-    double seconds_rows, seconds_linear;
-    const char *reason; // why the iteration did not converge, or ""
+    solve_seconds seconds;  // without the time for the exit, which is not measured
+    const char *reason;     // why the iteration did not converge, or ""
 } full_info;
 
 typedef struct full_system full_system;

@@ -275,8 +275,8 @@ static ehd_status report_resolution(artefact *file, const program *self,
 
 static void print_start(const char *path, double film, const run_result *result) {
     printf("%-24s%s: %zu iterations, %.3g ms; its central film lies %+.2e off\n", "started from",
-           path, result->newton_iterations, result->seconds * 1e3,
-           film / result->central_film_thickness - 1);
+           path, result->newton_iterations, result->seconds.total * 1e3,
+           film / result->scalars.central_film_thickness - 1);
 }
 
 /* A stationary scene on one grid, from its settings to its solution. */

@@ -94,7 +94,8 @@ static void print_settings(void) {
 // ---- the solution
 
 static int compare_seconds(const void *a, const void *b) {
-    double p = ((const online_result *)a)->seconds, q = ((const online_result *)b)->seconds;
+    const double p = ((const online_result *)a)->seconds.total;
+    const double q = ((const online_result *)b)->seconds.total;
 
     return (p > q) - (p < q);
 }
@@ -250,7 +251,7 @@ static ehd_status solve_scene(attempt *self, romrun_options *options, const prog
         accuracy_judge_peak(&result, options->accuracy, online_indicate_peak(self->solver));
     if (!result.status) return EHD_OK;
 
-    const double first = self->solution.seconds;
+    const double first = self->solution.seconds.total;
     char name[TRADE_NAME];
     trade_name(name, best_sizes);
     program_note(caller, "--accuracy %g: found %s, again with %s", options->accuracy, result.reason,
@@ -310,7 +311,7 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
     attempt *done = &self->attempt;
     ehd_status status = EHD_OK;
 
-    done->solution.seconds += done->first_seconds;
+    done->solution.seconds.total += done->first_seconds;
     self->exits = malloc(grid_whole(grid).inner_lines * sizeof(double));
     if (!self->exits) return ehd_no_memory(error, "exits");
     online_exits(self->exits, done->solver);
@@ -349,14 +350,6 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
     return status;
 }
 
-/* Adds the time of the reduced solution to the time of the full solution. */
-static void add_seconds(run_result *full, const run_result *reduced) {
-    full->seconds += reduced->seconds;
-    full->seconds_rows += reduced->seconds_rows;
-    full->seconds_linear += reduced->seconds_linear;
-    full->seconds_exit = reduced->seconds_exit;
-}
-
 /* Solves with the full model if the reduced result is not good enough, and prints a note. */
 static ehd_status fall_back(stationary_run *self, bool with_fields, bool with_effects,
                             ehd_error *error) {
@@ -379,11 +372,12 @@ static ehd_status fall_back(stationary_run *self, bool with_fields, bool with_ef
     program_note(self->caller,
                  "--fallback full: found %s: solved by the full model, %s, %zu iterations, %.3g ms",
                  reduced.reason, full->from_reduced ? "from the reduced solution" : "cold",
-                 full->info.newton_iterations, full->info.seconds * 1e3);
+                 full->info.newton_iterations, full->info.seconds.total * 1e3);
     self->by_full_model = true;
     self->result = fallback_result(full, contact, with_fields);
     self->result.solved_by = SOLVED_BY_FULL;
-    add_seconds(&self->result, &reduced);
+    self->result.seconds.exit = 0; // the full model does not measure the time for the exit
+    solve_seconds_add(&self->result.seconds, &reduced.seconds);
     if (reduced.traction) {
         self->traction = full_evaluate_traction(&full->state, contact);
         self->result.traction = &self->traction;
@@ -409,7 +403,7 @@ static ehd_status show(const stationary_run *self, ehd_error *error) {
     if (self->by_full_model)
         printf("%-24sthe full model, %s, in %.3g ms of these\n", "solved by",
                self->full.from_reduced ? "from the reduced solution" : "cold",
-               self->full.info.seconds * 1e3);
+               self->full.info.seconds.total * 1e3);
     if (options->verify) status = online_prepare_fields(done->model, error);
     if (!status && options->verify)
         status = print_verification(done->solver, &done->solution, self->contact, error);

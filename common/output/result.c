@@ -58,16 +58,16 @@ int64_t result_stored_status(ehd_status status) {
     return status == EHD_NOT_CONVERGED ? 1 : (int64_t)status;
 }
 
-ehd_status result_put_seconds(artefact *file, const run_result *result, ehd_error *error) {
-    const double parts[] = {result->seconds_rows, result->seconds_linear, result->seconds_exit};
-    double rest = result->seconds;
+ehd_status result_put_seconds(artefact *file, const solve_seconds *seconds, ehd_error *error) {
+    const double parts[] = {seconds->rows, seconds->linear, seconds->exit};
+    double rest = seconds->total;
 
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         if (!isnan(parts[i])) rest -= parts[i];
-    const named_number numbers[] = {{"solve_seconds", result->seconds},
-                                    {"solve_seconds_rows", result->seconds_rows},
-                                    {"solve_seconds_linear", result->seconds_linear},
-                                    {"solve_seconds_exit", result->seconds_exit},
+    const named_number numbers[] = {{"solve_seconds", seconds->total},
+                                    {"solve_seconds_rows", seconds->rows},
+                                    {"solve_seconds_linear", seconds->linear},
+                                    {"solve_seconds_exit", seconds->exit},
                                     {"solve_seconds_other", rest},
                                     {0}};
     return numbers_put_known(file, 0, numbers, error);
@@ -86,26 +86,27 @@ static ehd_status put_fields(artefact *file, const run_result *result, const ehd
 }
 
 static ehd_status put_scalars(artefact *file, const run_result *result, ehd_error *error) {
-    const named_number numbers[] = {{"central_film_thickness", result->central_film_thickness},
-                                    {"minimum_film_thickness", result->minimum_film_thickness},
-                                    {"central_pressure", result->central_pressure},
-                                    {"rigid_approach", result->rigid_approach},
-                                    {"load", result->load},
-                                    // a stationary result is in the reference frame
-                                    {"contact_half_width", 1},
-                                    {"frame_hertz_pressure", 1},
-                                    {"frame_film_unit", 1},
-                                    {"residual_norm", result->residual},
-                                    {"newton_iterations", (double)result->newton_iterations},
-                                    {"status", (double)result_stored_status(result->status)},
-                                    {0}};
+    const named_number numbers[] = {
+        {"central_film_thickness", result->scalars.central_film_thickness},
+        {"minimum_film_thickness", result->scalars.minimum_film_thickness},
+        {"central_pressure", result->scalars.central_pressure},
+        {"rigid_approach", result->scalars.rigid_approach},
+        {"load", result->scalars.load},
+        // a stationary result is in the reference frame
+        {"contact_half_width", 1},
+        {"frame_hertz_pressure", 1},
+        {"frame_film_unit", 1},
+        {"residual_norm", result->residual},
+        {"newton_iterations", (double)result->newton_iterations},
+        {"status", (double)result_stored_status(result->status)},
+        {0}};
     const bool one_model = result->solved_by == SOLVED_BY_ANY;
     const named_number known[] = {
         {"indicated_deviation", result->indicated_deviation},
         {"indicated_deviation_minimum", result->indicated_deviation_minimum},
         {"by_full_model", one_model ? NAN : result->solved_by == SOLVED_BY_FULL},
         {0}};
-    const double *exits = result->exits ? result->exits : &result->exit_position;
+    const double *exits = result->exits ? result->exits : &result->scalars.exit_position;
     ehd_status status = numbers_put(file, 0, numbers, error);
 
     if (!status) status = artefact_put(file, "exit_position", exits, error);
@@ -155,10 +156,10 @@ ehd_status result_write(artefact **file, const run_result *result, const ehd_con
     if (!status && result->traction) status = traction_put(*file, result->traction, error);
     if (!status && result->traction && result->pressure && result->film)
         status = traction_put_stresses(*file, 0, contact, result->pressure, result->film,
-                                       result->rigid_approach, error);
+                                       result->scalars.rigid_approach, error);
     if (!status) status = put_effects(*file, result->effects, error);
     if (!status) status = put_heating(*file, contact, error);
-    if (!status) status = result_put_seconds(*file, result, error);
+    if (!status) status = result_put_seconds(*file, &result->seconds, error);
     if (!status) return artefact_finish(file, error);
     artefact_close(file);
     return status;
@@ -241,17 +242,18 @@ void result_print(const run_result *result, const ehd_contact *contact) {
            contact->moes_M, contact->moes_L, contact->alpha_p_H, contact->hertz_pressure * 1e-9);
     grid_print_equations(contact);
     grid_print(contact, "this M and L");
-    print_value("central film thickness", result->central_film_thickness, film, "µm");
+    print_value("central film thickness", result->scalars.central_film_thickness, film, "µm");
     print_parts(of_this, result->indicated_deviation, effects.of[EFFECT_STEP],
                 effects.of[EFFECT_INLET]);
-    print_value("minimum film thickness", result->minimum_film_thickness, film, "µm");
+    print_value("minimum film thickness", result->scalars.minimum_film_thickness, film, "µm");
     print_parts(of_this, result->indicated_deviation_minimum, effects.of[EFFECT_STEP_MINIMUM],
                 effects.of[EFFECT_INLET_MINIMUM]);
     print_heating(contact);
-    print_value("central pressure", result->central_pressure, pressure, "GPa");
-    print_value("rigid approach", result->rigid_approach, film, "µm");
-    print_value("exit position", result->exit_position, width, "µm");
-    print_value("load", result->load, contact->load, contact->kind->dimensions > 1 ? "N" : "N/m");
+    print_value("central pressure", result->scalars.central_pressure, pressure, "GPa");
+    print_value("rigid approach", result->scalars.rigid_approach, film, "µm");
+    print_value("exit position", result->scalars.exit_position, width, "µm");
+    print_value("load", result->scalars.load, contact->load,
+                contact->kind->dimensions > 1 ? "N" : "N/m");
     if (result->traction) {
         traction_print(result->traction, contact, &effects);
         print_parts("  of rolling, about", NAN, effects.of[EFFECT_STEP_ROLLING],
@@ -263,7 +265,7 @@ void result_print(const run_result *result, const ehd_contact *contact) {
         printf("%-24s%.2g of the central film thickness\n", "indicated deviation",
                result->indicated_deviation);
     if (result->indicated) print_indicated(result->indicated, result->traction);
-    printf("%-24s%.3g ms\n", "solution", result->seconds * 1e3);
+    printf("%-24s%.3g ms\n", "solution", result->seconds.total * 1e3);
 }
 
 // ---- reading

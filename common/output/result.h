@@ -9,6 +9,7 @@
 #include "common/physics/contact.h"
 #include "common/physics/traction.h"
 #include "common/program/program.h"
+#include "common/program/solve_seconds.h"
 #include "common/program/status.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -25,12 +26,7 @@ typedef struct run_result {
     // NULL: no traction. A result with fields and traction also gets fields of the stresses
     const contact_traction *traction;
     const double *exits; // [lines of the whole grid] X of each exit, for a point contact
-    double central_film_thickness;
-    double minimum_film_thickness;
-    double central_pressure;
-    double rigid_approach;
-    double exit_position; // X at which the pressure ends, at Y = 0
-    double load;          // relative to the reference load
+    contact_scalars scalars;
     size_t newton_iterations;
     double residual;
     double indicated_deviation;         // relative error estimate of the central film, or NaN
@@ -41,8 +37,7 @@ typedef struct run_result {
     result_model solved_by;      // SOLVED_BY_ANY: the model is not stored
     ehd_status status;           // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
     char reason[RESULT_REASON];  // why the status is not EHD_OK, or ""
-    double seconds;              // time of the solution, without reading and writing
-    double seconds_rows, seconds_linear, seconds_exit; // parts of `seconds`; NaN: not measured
+    solve_seconds seconds;
 } run_result;
 
 /* Sets the status of a solved result to EHD_UNTRUSTED if the grid is too coarse, or its inlet too
@@ -66,8 +61,8 @@ ehd_status result_write(artefact **file, const run_result *result, const ehd_con
 
 /* Writes the attributes of the reference contact. */
 ehd_status result_put_contact(artefact *file, const ehd_contact *contact, ehd_error *error);
-/* Writes the attribute `solve_seconds` and its parts. Only the seconds of `result` are used. */
-ehd_status result_put_seconds(artefact *file, const run_result *result, ehd_error *error);
+/* Writes the attribute `solve_seconds` and its parts. */
+ehd_status result_put_seconds(artefact *file, const solve_seconds *seconds, ehd_error *error);
 /* Returns the value for the field `status`. */
 int64_t result_stored_status(ehd_status status);
 

@@ -15,11 +15,11 @@ enum { NUM_SLOTS = 2, SLOT_INVALID = -1 };
 
 #define MEMBER(name, member) COLUMN(time_entry, name, member)
 
-static const column scalars[] = {{MEMBER("central_film_thickness", central_film_thickness)},
-                                 {MEMBER("minimum_film_thickness", minimum_film_thickness)},
-                                 {MEMBER("central_pressure", central_pressure)},
-                                 {MEMBER("rigid_approach", rigid_approach)},
-                                 {MEMBER("load", load)},
+static const column scalars[] = {{MEMBER("central_film_thickness", scalars.central_film_thickness)},
+                                 {MEMBER("minimum_film_thickness", scalars.minimum_film_thickness)},
+                                 {MEMBER("central_pressure", scalars.central_pressure)},
+                                 {MEMBER("rigid_approach", scalars.rigid_approach)},
+                                 {MEMBER("load", scalars.load)},
                                  {MEMBER("contact_half_width", contact_half_width)},
                                  {MEMBER("frame_hertz_pressure", frame_hertz_pressure)},
                                  {MEMBER("frame_film_unit", frame_film_unit)},
@@ -161,8 +161,9 @@ static ehd_status put_fields(artefact *file, const time_entry *entry, const ehd_
         status = grid_put_field(file, "film_thickness", index, entry->film, grid, true, error);
     if (!status && entry->pressure && entry->film && entry->frame)
         // the approach, in units of the frame, is needed only for the far field of a point contact
-        status = traction_put_stresses(file, index, entry->frame, entry->pressure, entry->film,
-                                       entry->rigid_approach / entry->frame_film_unit, error);
+        status =
+            traction_put_stresses(file, index, entry->frame, entry->pressure, entry->film,
+                                  entry->scalars.rigid_approach / entry->frame_film_unit, error);
     return status;
 }
 
@@ -300,13 +301,9 @@ static ehd_status put_summary(artefact *file, const time_summary *summary, ehd_e
 }
 
 ehd_status time_result_finish(artefact **file, const time_summary *summary, ehd_error *error) {
-    const run_result times = {.seconds = summary->seconds,
-                              .seconds_rows = summary->seconds_rows,
-                              .seconds_linear = summary->seconds_linear,
-                              .seconds_exit = summary->seconds_exit};
     ehd_status status = artefact_end_streaming(*file, error);
 
-    if (!status) status = result_put_seconds(*file, &times, error);
+    if (!status) status = result_put_seconds(*file, &summary->seconds, error);
     if (!status) status = put_summary(*file, summary, error);
     if (!status) return artefact_finish(file, error);
     artefact_close(file);

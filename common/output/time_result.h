@@ -8,6 +8,7 @@
 #include "common/physics/traction.h"
 #include "common/program/arena.h"
 #include "common/program/program.h"
+#include "common/program/solve_seconds.h"
 #include "common/program/status.h"
 #include "common/settings/scene.h"
 #include <stdbool.h>
@@ -18,11 +19,7 @@
  * otherwise. NaN: the value is not known. */
 typedef struct time_entry {
     double time; // T, increasing from entry to entry
-    double central_film_thickness;
-    double minimum_film_thickness;
-    double central_pressure;
-    double rigid_approach;
-    double load;                 // relative to the reference load
+    contact_scalars scalars;
     double contact_half_width;   // half width of the current frame, relative to the reference
     double frame_hertz_pressure; // Hertz pressure of the current frame, relative to the reference
     double frame_film_unit;      // a^2/R of the current frame, relative to the reference
@@ -43,9 +40,8 @@ typedef struct time_entry {
 
 /* Totals at the end of a run. */
 typedef struct time_summary {
-    double seconds; // time of the solution, without reading and writing
-    double seconds_rows, seconds_linear, seconds_exit; // parts of `seconds`; NaN: not measured
-    size_t num_steps;                                  // accepted time steps
+    solve_seconds seconds;
+    size_t num_steps;         // accepted time steps
     size_t num_rejected;      // number of steps that were rejected and repeated with a shorter step
     size_t newton_iterations; // iterations of all steps, rejected ones included
     // only in a file `with_models`:

@@ -25,7 +25,7 @@ enum { MAX_WAITING = 256 }; // entries that are written together
  * and iterations itself (march_state). All members are doubles, so that the struct can be saved as
  * numbers. */
 typedef struct run_totals {
-    double seconds, seconds_rows, seconds_linear, seconds_exit; // as in time_summary
+    solve_seconds seconds;
     // smallest minimum film and largest central film of all times
     double min_film, max_film;
     // effect of the time steps on the films (march_step): integral of effect^2 over T for the
@@ -87,8 +87,8 @@ static ehd_status trace_add(time_trace *trace, const time_entry *entry, ehd_erro
         if (status) return status;
     }
     trace->time[trace->count] = entry->time;
-    trace->central_film_thickness[trace->count] = entry->central_film_thickness;
-    trace->central_pressure[trace->count++] = entry->central_pressure;
+    trace->central_film_thickness[trace->count] = entry->scalars.central_film_thickness;
+    trace->central_pressure[trace->count++] = entry->scalars.central_pressure;
     return EHD_OK;
 }
 
@@ -114,12 +114,10 @@ static ehd_status trace_read(time_trace *trace, artefact *file, size_t num_entri
 static run_totals totals_at(const runner *self, double now) {
     run_totals totals = self->totals;
     const march_solver *solver = &self->task->solver;
-    const march_effort effort = solver->effort(solver->self);
+    solve_seconds seconds = solver->seconds(solver->self);
 
-    totals.seconds += now - self->started - self->writing;
-    totals.seconds_rows += effort.seconds_rows;
-    totals.seconds_linear += effort.seconds_linear;
-    totals.seconds_exit += effort.seconds_exit;
+    seconds.total = now - self->started - self->writing; // also between solutions
+    solve_seconds_add(&totals.seconds, &seconds);
     return totals;
 }
 
@@ -210,11 +208,7 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
         tractions = frame_traction_to_reference(tractions, &step->frame);
     }
     const time_entry entry = {.time = step->frame.time,
-                              .central_film_thickness = scalars.central_film_thickness,
-                              .minimum_film_thickness = scalars.minimum_film_thickness,
-                              .central_pressure = scalars.central_pressure,
-                              .rigid_approach = scalars.rigid_approach,
-                              .load = scalars.load,
+                              .scalars = scalars,
                               .contact_half_width = step->frame.half_width,
                               .frame_hertz_pressure = step->frame.hertz_pressure,
                               .frame_film_unit = step->frame.film_scale,
@@ -234,8 +228,8 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
                               .frame = fields && traction ? &frame : NULL,
                               .pressure = fields ? self->pressure : NULL,
                               .film = fields ? self->film : NULL};
-    self->totals.min_film = fmin(self->totals.min_film, entry.minimum_film_thickness);
-    self->totals.max_film = fmax(self->totals.max_film, entry.central_film_thickness);
+    self->totals.min_film = fmin(self->totals.min_film, entry.scalars.minimum_film_thickness);
+    self->totals.max_film = fmax(self->totals.max_film, entry.scalars.central_film_thickness);
     self->totals.effect_squares += entry.step * entry.effect * entry.effect;
     self->totals.max_effect = larger(self->totals.max_effect, fabs(entry.effect));
     self->totals.max_effect_minimum =
@@ -419,8 +413,8 @@ static void report(const runner *self, const run_totals *totals, ehd_status outc
     report_indicated(totals);
     printf("%-24s%.0f, %.3g a step\n", "Newton iterations", state->num_iterations,
            state->num_iterations / fmax(state->num_steps + state->num_rejected, 1));
-    printf("%-24s%.4g s, %.4g ms a step\n", "solution", totals->seconds,
-           totals->seconds * 1e3 / fmax(state->num_steps + state->num_rejected, 1));
+    printf("%-24s%.4g s, %.4g ms a step\n", "solution", totals->seconds.total,
+           totals->seconds.total * 1e3 / fmax(state->num_steps + state->num_rejected, 1));
     report_share(self);
 }
 
@@ -431,9 +425,6 @@ static ehd_status finish(runner *self, const run_totals *totals, ehd_error *erro
     const time_summary summary = {.full_steps = share.full_steps,
                                   .seconds_full = share.seconds_full,
                                   .seconds = totals->seconds,
-                                  .seconds_rows = totals->seconds_rows,
-                                  .seconds_linear = totals->seconds_linear,
-                                  .seconds_exit = totals->seconds_exit,
                                   .num_steps = (size_t)state->num_steps,
                                   .num_rejected = (size_t)state->num_rejected,
                                   .newton_iterations = (size_t)state->num_iterations};

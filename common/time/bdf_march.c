@@ -443,10 +443,10 @@ static ehd_status fields(double *pressure, double *film, void *solver, ehd_error
     return EHD_OK;
 }
 
-static march_effort effort(const void *solver) {
+static solve_seconds seconds(const void *solver) {
     const bdf_march *self = solver;
 
-    return self->effort;
+    return self->seconds;
 }
 
 march_solver bdf_march_solver(bdf_march *self) {
@@ -464,5 +464,5 @@ march_solver bdf_march_solver(bdf_march *self) {
                           .fields = fields,
                           .exits = model->exits,
                           .traction = model->traction,
-                          .effort = effort};
+                          .seconds = seconds};
 }

@@ -120,7 +120,7 @@ typedef struct bdf_march {
     size_t state_size, front_size, behind_size; // how many numbers save and save_rest write
     bdf_masses masses;
     bool allows_short; // states at the end of short steps are passing (bdf_ring)
-    march_effort effort;
+    solve_seconds seconds;
     // states:
     bdf_ring ring;
     bdf_ring accepted;        // the ring before the attempt, if `promoted`

@@ -7,6 +7,7 @@
 #define EHD_MARCH_H
 
 #include "common/physics/traction.h"
+#include "common/program/solve_seconds.h"
 #include "common/program/status.h"
 #include "common/settings/scene.h"
 #include "common/time/bdf.h"
@@ -49,13 +50,6 @@ typedef struct march_step {
 /* Marks a solved step as EHD_UNTRUSTED. If `reason` is NULL, the step stays unchanged. */
 void march_distrust(march_step *self, const char *reason);
 
-/* Effort of a solver so far, also for steps that were not accepted. Times in seconds; NaN: not
- * measured. */
-typedef struct march_effort {
-    double seconds_rows, seconds_linear, seconds_exit;
-    size_t iterations; // Newton iterations
-} march_effort;
-
 /* A solver that can take steps. `self` is the solver's own data. */
 typedef struct march_solver {
     void *self;
@@ -95,9 +89,10 @@ typedef struct march_solver {
      * computes the traction from the fields. */
     contact_traction (*traction)(void *self, const ehd_contact *contact,
                                  const contact_scalars *scalars);
-    /* Returns the effort of all solutions so far. NULL: the solver only wraps another one, whose
-     * effort it is (apart.h). */
-    march_effort (*effort)(const void *self);
+    /* Returns the computing times of all solutions so far, also for steps that were not accepted.
+     * `total` lacks the time between solutions. NULL: the solver only wraps another one, which
+     * returns these times (apart.h). */
+    solve_seconds (*seconds)(const void *self);
 } march_solver;
 
 typedef struct march_settings {

@@ -155,12 +155,12 @@ void against_print(const run_result *result, const stored_result *stored, const 
     const ehd_grid *grid = &contact->grid, other = result_grid(stored);
 
     print_heading(path, grid, &other);
-    print_deviation("central film thickness", result->central_film_thickness,
+    print_deviation("central film thickness", result->scalars.central_film_thickness,
                     stored->central_film_thickness);
-    print_deviation("minimum film thickness", result->minimum_film_thickness,
+    print_deviation("minimum film thickness", result->scalars.minimum_film_thickness,
                     stored->minimum_film_thickness);
-    print_deviation("central pressure", result->central_pressure, stored->central_pressure);
-    print_deviation("exit position", result->exit_position, stored->exit_position);
+    print_deviation("central pressure", result->scalars.central_pressure, stored->central_pressure);
+    print_deviation("exit position", result->scalars.exit_position, stored->exit_position);
     if (result->pressure && stored->pressure)
         printf("  %-24s %.2e of the Hertz pressure\n", "largest pressure error",
                against_difference(result->pressure, grid, stored->pressure, &other));

@@ -155,15 +155,15 @@ static ehd_status solve_with(bool *trusted, const batch *self, const worker *own
     if (self->num_parts > 1) row->part = (int64_t)solution.part;
     row->newton_iterations = (int64_t)result.newton_iterations;
     row->residual_norm = result.residual;
-    row->solve_seconds = before + result.seconds;
+    row->solve_seconds = before + result.seconds.total;
     memcpy(row->reason, result.reason, sizeof row->reason);
     if (result.status == EHD_NOT_CONVERGED) return EHD_OK; // the numbers are not usable
-    row->central_film_thickness = result.central_film_thickness;
-    row->minimum_film_thickness = result.minimum_film_thickness;
-    row->central_pressure = result.central_pressure;
+    row->central_film_thickness = result.scalars.central_film_thickness;
+    row->minimum_film_thickness = result.scalars.minimum_film_thickness;
+    row->central_pressure = result.scalars.central_pressure;
     row->peak_pressure = solution.peak_pressure;
-    row->rigid_approach = result.rigid_approach;
-    row->exit_position = result.exit_position;
+    row->rigid_approach = result.scalars.rigid_approach;
+    row->exit_position = result.scalars.exit_position;
     row->indicated_deviation = result.indicated_deviation;
     row->indicated_deviation_minimum = result.indicated_deviation_minimum;
     add_traction(row, traction, own->solvers[m], contact);

@@ -62,11 +62,10 @@ static ehd_status solve_once(fallback *self, full_solver *solver, const full_sta
         self->info = cold;
         self->info.newton_iterations += tried.newton_iterations;
         self->info.gmres_iterations += tried.gmres_iterations;
-        self->info.seconds_rows += tried.seconds_rows;
-        self->info.seconds_linear += tried.seconds_linear;
+        solve_seconds_add(&self->info.seconds, &tried.seconds);
         if (!status) self->status = full_judge(self->reason, &self->info, &self->state, contact);
     }
-    self->info.seconds = program_seconds() - before;
+    self->info.seconds.total = program_seconds() - before;
     return status;
 }
 

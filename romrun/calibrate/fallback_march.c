@@ -392,15 +392,13 @@ static void exits(double *positions, const void *solver) {
     last->exits(positions, last->self);
 }
 
-/* Returns the effort of both models. Only the reduced model measures the time for exits. */
-static march_effort effort(const void *solver) {
+static solve_seconds seconds(const void *solver) {
     const fallback_march *self = solver;
-    const march_effort full = self->of_full.effort(self->of_full.self);
-    march_effort sum = self->of_reduced.effort(self->of_reduced.self);
+    const solve_seconds reduced = self->of_reduced.seconds(self->of_reduced.self);
+    solve_seconds sum = self->of_full.seconds(self->of_full.self);
 
-    sum.seconds_rows += full.seconds_rows;
-    sum.seconds_linear += full.seconds_linear;
-    sum.iterations += full.iterations;
+    sum.exit = 0; // the full model does not measure the time for the exit
+    solve_seconds_add(&sum, &reduced);
     return sum;
 }
 
@@ -416,7 +414,7 @@ march_solver fallback_march_solver(fallback_march *self) {
                           .restore = restore,
                           .fields = fields,
                           .exits = exits,
-                          .effort = effort};
+                          .seconds = seconds};
 }
 
 time_run_share fallback_march_share(const void *solver) {

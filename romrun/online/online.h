@@ -32,6 +32,7 @@
 #include "common/output/indicated.h"
 #include "common/physics/contact.h"
 #include "common/physics/traction.h"
+#include "common/program/solve_seconds.h"
 #include "common/program/status.h"
 #include "common/settings/part_list.h"
 #include "common/settings/scene_contact.h"
@@ -83,10 +84,7 @@ typedef struct online_result {
                               // calibrated
     double indicated_minimum; // estimated relative error of the minimum film; NaN: the model is not
                               // calibrated
-    double seconds;           // total time; the next three times are included
-    double seconds_rows;      // rows and reduced Jacobian
-    double seconds_linear;    // least squares
-    double seconds_exit;      // search for the exit boundary, and updates after it has moved
+    solve_seconds seconds;
 } online_result;
 
 /* Numbers of modes and rows of a model or, for a list, of each of its files. */

@@ -234,7 +234,7 @@ static void indicate(online_result *result, part_solver *solver, const ehd_conta
                                  result->bound_minimum),
                  result->indicated);
     }
-    result->seconds += program_seconds() - start;
+    result->seconds.total += program_seconds() - start;
 }
 
 /* Multiple of the calibration's largest residual above which a result is not trusted. The scenes of
@@ -318,10 +318,7 @@ ehd_status part_solve(online_result *result, part_solver *solver, const ehd_cont
                               .scalars = info.scalars,
                               .iterations = info.iterations,
                               .residual = info.residual,
-                              .seconds = info.seconds,
-                              .seconds_rows = info.seconds_rows,
-                              .seconds_linear = info.seconds_linear,
-                              .seconds_exit = info.seconds_exit};
+                              .seconds = info.seconds};
     if (info.status != EHD_NOT_CONVERGED) {
         const reduced_pressures range = reduced_pressure_range(solver->reduced, &solver->state);
         result->peak_pressure = range.largest;

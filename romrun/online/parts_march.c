@@ -259,17 +259,14 @@ static contact_traction traction(void *solver, const ehd_contact *contact,
     return of.traction(of.self, contact, scalars);
 }
 
-static march_effort effort(const void *solver) {
+static solve_seconds seconds(const void *solver) {
     const parts_march *self = solver;
-    march_effort sum = {0};
+    solve_seconds sum = {0};
 
     for (size_t p = 0; p < self->num_parts; p++) {
         const march_solver of = reduced_march_solver(self->parts[p]);
-        const march_effort part = of.effort(of.self);
-        sum.seconds_rows += part.seconds_rows;
-        sum.seconds_linear += part.seconds_linear;
-        sum.seconds_exit += part.seconds_exit;
-        sum.iterations += part.iterations;
+        const solve_seconds part = of.seconds(of.self);
+        solve_seconds_add(&sum, &part);
     }
     return sum;
 }
@@ -291,5 +288,5 @@ march_solver parts_march_solver(parts_march *self) {
                           .fields = fields,
                           .traction = has_traction ? traction : NULL,
                           .exits = exits,
-                          .effort = effort};
+                          .seconds = seconds};
 }

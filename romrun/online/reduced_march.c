@@ -310,15 +310,6 @@ static previous_film *state_before(reduced_march *self, size_t steps) {
     return &self->states[bdf_march_place(&self->bdf, steps)];
 }
 
-static void add_effort(reduced_march *self, const reduced_info *info) {
-    march_effort *effort = &self->bdf.effort;
-
-    effort->seconds_rows += info->seconds_rows;
-    effort->seconds_linear += info->seconds_linear;
-    effort->seconds_exit += info->seconds_exit;
-    effort->iterations += info->iterations;
-}
-
 // ---- trust
 
 /* Checks whether an exit lies at the edge of its trained range. An exit at the downstream end of
@@ -422,7 +413,7 @@ static ehd_status solve(reduced_info *info, reduced_march *self, const ehd_conta
     previous_film *next = state_before(self, 0);
     ehd_status status = reduced_solve(info, &next->state, self->solver, contact, squeeze, error);
 
-    add_effort(self, info);
+    solve_seconds_add(&self->bdf.seconds, &info->seconds);
     return status;
 }
 
@@ -765,7 +756,7 @@ static void carry_over(reduced_march *self, const contact_frame *frame) {
     const double start = program_seconds();
 
     sum_at_rows(self->previous.sum, self->bdf.masses.previous, self, frame, self->bdf.entrainment);
-    self->bdf.effort.seconds_rows += program_seconds() - start;
+    self->bdf.seconds.rows += program_seconds() - start;
 }
 
 /* Returns the weighted sum of previous rho H at a node of a frame. */

@@ -347,10 +347,7 @@ static bool start_from_state(reduced_state *state, const reduced_model *model,
 
 static void add_effort(reduced_info *info, const reduced_info *before) {
     info->iterations += before->iterations;
-    info->seconds += before->seconds;
-    info->seconds_rows += before->seconds_rows;
-    info->seconds_linear += before->seconds_linear;
-    info->seconds_exit += before->seconds_exit;
+    solve_seconds_add(&info->seconds, &before->seconds);
 }
 
 ehd_status reduced_solve_from_training(reduced_info *info, reduced_state *state,

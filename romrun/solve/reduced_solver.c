@@ -321,7 +321,7 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
     if (!within_node) state->exit_offset = NAN;
     info->own_jacobian = true;
     start_exits(self, state, contact, squeeze);
-    start = add_seconds(&info->seconds_exit, start);
+    start = add_seconds(&info->seconds.exit, start);
     for (size_t iteration = 0;;
          iteration++, before = now, known = joined ? NULL : &self->nodes.now.values) {
         const bool near = before.factor == 1 && before.change < exits_near_change;
@@ -341,7 +341,7 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
                                            system_flux(&self->system, contact, &self->nodes));
         size_t num_rows = build_system(self, state, squeeze, with_cell);
         info->residual = vector_norm(self->system.right, num_rows);
-        start = add_seconds(&info->seconds_rows, start);
+        start = add_seconds(&info->seconds.rows, start);
         if (!isfinite(info->residual)) return fail(info, "residual not finite");
         if (iteration >= self->settings.max_iterations)
             return fail(info, "iteration limit reached");
@@ -354,7 +354,7 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
                                   : "least squares without a single finite solution");
         now = take_step(state, self, &before);
         info->iterations++;
-        start = add_seconds(&info->seconds_linear, start);
+        start = add_seconds(&info->seconds.linear, start);
         ehd_status status = observe(self, error);
         if (status) return status;
         if (!(now.factor > 0)) return fail(info, "film would become negative");
@@ -368,7 +368,7 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
             moved = exits_adapt(&self->exits, &self->nodes, state, contact, squeeze, now.change);
         joined = squeeze && is_line(self->model) && state->exit > exit;
         if (joined) join_nodes(state, self, exit);
-        start = add_seconds(&info->seconds_exit, start);
+        start = add_seconds(&info->seconds.exit, start);
         if (within_node && !with_cell) continue; // not converged: the exit is still a node
         if (moved || at != AT_STATE || !converged(&before, &now, self->settings.tolerance))
             continue;
@@ -482,12 +482,12 @@ static kept_outcome iterate_with(kept_factors *factors, reduced_info *info, redu
     for (size_t iteration = 0; iteration < self->settings.max_iterations; iteration++) {
         evaluate(self, state, iteration == 0 ? known : NULL, contact, squeeze, AT_STATE);
         if (made && iteration == 0) make_factors(factors, self, squeeze);
-        start = add_seconds(&info->seconds_rows, start);
+        start = add_seconds(&info->seconds.rows, start);
         const bool converges = take_kept_step(&at, info, state, self, factors);
-        start = add_seconds(&info->seconds_linear, start);
+        start = add_seconds(&info->seconds.linear, start);
         if (!converges) return at.slow ? KEPT_SLOW : KEPT_FAILED;
         bool moved = exits_adapt(&self->exits, &self->nodes, state, contact, squeeze, at.change);
-        start = add_seconds(&info->seconds_exit, start);
+        start = add_seconds(&info->seconds.exit, start);
         // far from the exit at which the factors were made, the active rows do not match the
         // factorisation
         if (!kept_factors_are_near(factors, self->model, state)) return KEPT_FAILED;
@@ -588,7 +588,7 @@ ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solve
         fail(info, "a film that is not positive");
     if (!status && solver->observer_end)
         status = solver->observer_end(solver->observer_context, info, error);
-    info->seconds = program_seconds() - start;
+    info->seconds.total = program_seconds() - start;
     return status;
 }
 

@@ -7,6 +7,7 @@
 #define EHD_REDUCED_SOLVER_H
 
 #include "common/physics/traction.h"
+#include "common/program/solve_seconds.h"
 #include "romrun/state/reduced_state.h"
 #include <stdbool.h>
 
@@ -46,7 +47,7 @@ typedef struct reduced_info {
     bool near_factors; // true: the last iterations used the factors of one new Jacobian
     double residual;   // |D f| of the rows and the linear equations, at the last iteration
     contact_scalars scalars;
-    double seconds, seconds_rows, seconds_linear, seconds_exit;
+    solve_seconds seconds;
     const char *reason;
 } reduced_info;
 

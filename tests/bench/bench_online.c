@@ -71,11 +71,12 @@ static reduced_info measure(double *seconds[NUM_PARTS], size_t i, reduced_state 
     double start = program_seconds();
     indicator_bound(indicate, solver, state, contact, &info.scalars);
     seconds[INDICATOR][i] = program_seconds() - start;
-    seconds[ALL][i] = info.seconds;
-    seconds[ROWS][i] = info.seconds_rows;
-    seconds[LEAST_SQUARES][i] = info.seconds_linear;
-    seconds[EXIT][i] = info.seconds_exit;
-    seconds[OTHER][i] = info.seconds - info.seconds_rows - info.seconds_linear - info.seconds_exit;
+    seconds[ALL][i] = info.seconds.total;
+    seconds[ROWS][i] = info.seconds.rows;
+    seconds[LEAST_SQUARES][i] = info.seconds.linear;
+    seconds[EXIT][i] = info.seconds.exit;
+    seconds[OTHER][i] =
+        info.seconds.total - info.seconds.rows - info.seconds.linear - info.seconds.exit;
     return info;
 }
 

@@ -59,7 +59,7 @@ static void measure(samples *self, reduced_state *state, const reduced_model *mo
         reduced_guess(state, model, contact_place_of(contact));
         start[i] = program_seconds() - before;
         must(reduced_solve(&info, state, solver, contact, NULL, &error), &error);
-        solve[i] = info.seconds;
+        solve[i] = info.seconds.total;
     }
     self->solve[self->count] = spread_of(solve, repeats).median;
     self->start[self->count] = spread_of(start, repeats).median;

@@ -66,8 +66,8 @@ static void check_solution(const fallback *found, const ehd_contact *contact) {
     check_close_array(found->state.film, expected.state.film, num_nodes, 0, 1e-8);
     const run_result result = fallback_result(found, contact, true);
     const contact_scalars scalars = full_evaluate_scalars(&expected.state, contact);
-    check_close(result.central_film_thickness, scalars.central_film_thickness, 1e-8, 0);
-    check_close(result.exit_position, scalars.exit_position, 0, 1e-8);
+    check_close(result.scalars.central_film_thickness, scalars.central_film_thickness, 1e-8, 0);
+    check_close(result.scalars.exit_position, scalars.exit_position, 0, 1e-8);
     assert_true((result.exits == NULL) == (contact->kind->dimensions == 1));
     if (result.exits)
         check_close(result.exits[grid_whole(&contact->grid).inner_lines / 2], scalars.exit_position,

@@ -295,9 +295,9 @@ static void where_the_reduced_model_does_not_converge(void **state) {
         both->reduced.model.rows.weight[k] = NAN;
     for (size_t i = 4; i <= NUM_STEPS; i++) {
         // time of all attempts by the reduced model so far
-        const double before = parts.effort(parts.self).seconds_rows;
+        const double before = parts.seconds(parts.self).rows;
         go_on(both, i, i);
-        tries += parts.effort(parts.self).seconds_rows > before;
+        tries += parts.seconds(parts.self).rows > before;
         assert_true(both->by_full_model[i]);
     }
     assert_false(both->by_full_model[3]);

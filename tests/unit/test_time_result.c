@@ -105,11 +105,11 @@ static const double *exits_at(size_t index) {
 static time_entry entry_at(size_t index) {
     const double i = (double)index;
     time_entry entry = {.time = time_at(index),
-                        .central_film_thickness = i + 0.1,
-                        .minimum_film_thickness = i + 0.2,
-                        .central_pressure = i + 0.3,
-                        .rigid_approach = -i,
-                        .load = i + 0.4,
+                        .scalars = {.central_film_thickness = i + 0.1,
+                                    .minimum_film_thickness = i + 0.2,
+                                    .central_pressure = i + 0.3,
+                                    .rigid_approach = -i,
+                                    .load = i + 0.4},
                         .contact_half_width = i + 0.5,
                         .frame_hertz_pressure = i + 0.55,
                         .frame_film_unit = i + 0.65,
@@ -176,10 +176,7 @@ static ehd_status try_resume(artefact **file, size_t *num_entries, const char *s
 }
 
 static void finish(artefact **file, size_t num_entries) {
-    const time_summary summary = {.seconds = 8,
-                                  .seconds_rows = 4,
-                                  .seconds_linear = 3,
-                                  .seconds_exit = NAN,
+    const time_summary summary = {.seconds = {.total = 8, .rows = 4, .linear = 3, .exit = NAN},
                                   .num_steps = num_entries - 1,
                                   .num_rejected = 2,
                                   .newton_iterations = 99};
@@ -192,10 +189,10 @@ static void check_series(const time_series *series, size_t num_times) {
     for (size_t i = 0; i < num_times; i++) {
         const time_entry entry = entry_at(i);
         check_close(series->time[i], entry.time, 0, 0);
-        check_close(series->central_film_thickness[i], entry.central_film_thickness, 0, 0);
-        check_close(series->minimum_film_thickness[i], entry.minimum_film_thickness, 0, 0);
-        check_close(series->central_pressure[i], entry.central_pressure, 0, 0);
-        check_close(series->load[i], entry.load, 0, 0);
+        check_close(series->central_film_thickness[i], entry.scalars.central_film_thickness, 0, 0);
+        check_close(series->minimum_film_thickness[i], entry.scalars.minimum_film_thickness, 0, 0);
+        check_close(series->central_pressure[i], entry.scalars.central_pressure, 0, 0);
+        check_close(series->load[i], entry.scalars.load, 0, 0);
     }
 }
 
@@ -204,7 +201,7 @@ static void check_scalars(artefact *file, size_t num_times) {
     static const struct {
         const char *name;
         size_t offset; // of a double in time_entry
-    } reals[] = {{"rigid_approach", offsetof(time_entry, rigid_approach)},
+    } reals[] = {{"rigid_approach", offsetof(time_entry, scalars.rigid_approach)},
                  {"contact_half_width", offsetof(time_entry, contact_half_width)},
                  {"residual_norm", offsetof(time_entry, residual)},
                  {"time_step", offsetof(time_entry, step)},
@@ -371,15 +368,12 @@ static void unwritten_fields_take_no_space(void **state) {
 static void stationary_is_one_time(void **state) {
     (void)state;
     const program self = writer();
-    const run_result result = {.indicated_deviation = NAN,
-                               .indicated_deviation_minimum = NAN,
-                               .central_film_thickness = 0.25,
-                               .minimum_film_thickness = 0.125,
-                               .newton_iterations = 5,
-                               .load = 1,
-                               .seconds_rows = NAN,
-                               .seconds_linear = NAN,
-                               .seconds_exit = NAN};
+    const run_result result = {
+        .indicated_deviation = NAN,
+        .indicated_deviation_minimum = NAN,
+        .scalars = {.central_film_thickness = 0.25, .minimum_film_thickness = 0.125, .load = 1},
+        .newton_iterations = 5,
+        .seconds = {.rows = NAN, .linear = NAN, .exit = NAN}};
     time_series series;
     artefact *file = NULL;
 
@@ -521,7 +515,7 @@ static size_t follow(hid_t file) {
     while (H5Dread(film, H5T_NATIVE_DOUBLE, memory, all, H5P_DEFAULT, values) < 0)
         assert_true(attempts++ < 1000);
     for (size_t i = 0; i < length[0]; i++)
-        check_close(values[i], entry_at(i).central_film_thickness, 0, 0);
+        check_close(values[i], entry_at(i).scalars.central_film_thickness, 0, 0);
     H5Sclose(memory);
     H5Sclose(all);
     H5Dclose(film);
@@ -594,7 +588,7 @@ static void a_chunk_that_is_rewritten_is_read_again(void **state) {
     change_byte(place);
     changed_until_wait = place;
     check_ok(artefact_get_part(file, name, 0, 2, films, 2, &error));
-    check_close(films[1], entry_at(1).central_film_thickness, 0, 0);
+    check_close(films[1], entry_at(1).scalars.central_film_thickness, 0, 0);
     change_byte(place);
     check_refused(artefact_get_part(file, name, 0, 2, films, 2, &error), EHD_DATA,
                   "central_film_thickness: found damaged data");

@@ -118,11 +118,10 @@ static void exits(double *positions, const void *solver) {
         positions[i] = NAN;
 }
 
-static march_effort effort(const void *solver) {
+static solve_seconds seconds(const void *solver) {
     const stub_solver *self = solver;
     const double attempts = (double)self->num_attempts;
-    return (march_effort){
-        .seconds_rows = attempts, .seconds_linear = 2 * attempts, .seconds_exit = NAN};
+    return (solve_seconds){.rows = attempts, .linear = 2 * attempts, .exit = NAN};
 }
 
 // ---- a run, in a separate process because an interruption cannot be undone
@@ -174,7 +173,7 @@ static int run_child(bool resume, bool written) {
                                            .save = save,
                                            .restore = restore,
                                            .exits = exits,
-                                           .effort = effort},
+                                           .seconds = seconds},
                                 .resume = resume};
     ehd_status status = time_run(&trace, &task, &why);
     print_trace(&trace);
