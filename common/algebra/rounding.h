@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Defines the tolerance for round-off in comparisons of numbers, and the distance of difference
  * quotients. The comment at the constant gives the reason for its value.
- * Used by common, romrun and snapgen to compare grids, points in time, settings and states. */
+ * Used by common, romrun and snapgen to compare grids, points in time, settings and states, and as
+ * the tolerance of sums of weights and of optimal least squares. */
 #ifndef EHD_ROUNDING_H
 #define EHD_ROUNDING_H
 

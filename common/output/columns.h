@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Writes members of structs as datasets of a file, and reads them. Writes lists of named numbers. */
+/* Writes members of structs, and lists of named numbers, as datasets of a file, and reads them. */
 #ifndef EHD_COLUMNS_H
 #define EHD_COLUMNS_H
 

@@ -74,12 +74,12 @@ static void list_coordinates(column columns[NUM_COORDINATES + 1], size_t num_pre
     const size_t number = sizeof(double), width = num_pressure + num_deformation;
 
     *columns++ = (column){.field = "state_pressure", .each = num_pressure, .apart = number};
-    *columns++ = (column){.field = "state_rigid_approach", .offset = width * number, .each = 1};
     if (num_deformation > 0)
         *columns++ = (column){.field = "state_deformation",
                               .offset = num_pressure * number,
                               .each = num_deformation,
                               .apart = number};
+    *columns++ = (column){.field = "state_rigid_approach", .offset = width * number, .each = 1};
     *columns = (column){0};
 }
 

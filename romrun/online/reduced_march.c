@@ -990,7 +990,7 @@ static double film_of_attempt(const void *context, size_t node) {
 /* Returns the tolerance of the iterations: a tenth of the error that a step of this length may
  * cause in the film. The line contact of scenes/studies/transient-load, period 1/2 (120 modes, 140
  * rows, error control), then takes 1897 iterations instead of 2118. With a tolerance of three times
- * exits_noise for the pressures, the errors of short steps would be noise. The minimum film
+ * pressure_noise for the pressures, the errors of short steps would be noise. The minimum film
  * would then differ from the full model by 1.0 % instead of 0.4 %. */
 static double iteration_tolerance(const reduced_march *self) {
     // `part`: tolerance divided by the allowed error of the step. `most`: largest tolerance. Without

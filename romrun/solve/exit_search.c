@@ -11,7 +11,7 @@
  * changes the film (README.md, The exit). */
 static const double WINDOW = 0.05, SETTLED = 0.005;
 
-const double exits_near_change = 5e-3, exits_noise = 7e-6;
+const double exits_near_change = 5e-3, pressure_noise = 7e-6;
 
 void exits_init(exit_search *self, const reduced_model *model, double spacing, arena *memory) {
     const exit_band *band = &model->band;
@@ -190,7 +190,7 @@ static size_t find_by_flux(exit_query *query) {
 
     nodes_expand_band(query->nodes, query->z, begin, exit);
     node = node > first_row ? node : first_row;
-    while (node < exit && pressure[node - band->begin] >= -exits_noise)
+    while (node < exit && pressure[node - band->begin] >= -pressure_noise)
         node++;
     if (node < exit) {
         found = node_with_flux(query, flux_at(query, node), node, exit - 1);
@@ -216,10 +216,10 @@ static size_t find_by_signs(exit_query *query, size_t line) {
     size_t end = exit + window < band->max_exit ? exit + window : band->max_exit;
     bool by_pressure = query->squeeze && model->band.num_lines > 1;
 
-    while (column < exit && pressure[column - band->begin] >= -exits_noise)
+    while (column < exit && pressure[column - band->begin] >= -pressure_noise)
         column++;
     if (column < exit) return column > band->min_exit ? column : band->min_exit;
-    while (column < end && !(by_pressure && pressure[column - band->begin] < -exits_noise) &&
+    while (column < end && !(by_pressure && pressure[column - band->begin] < -pressure_noise) &&
            multiplier_at(query, first + column) < 0)
         column++;
     return column;

@@ -48,7 +48,7 @@ extern const double exits_near_change;
  * this tolerance, and 328 with 7e-7. With 7e-5 the film of this example changes by 4e-4. If each
  * negative pressure moves the exit, marches differ from those of the full model
  * (test_reduced_march.c, full_rank_marches_as_the_full_model). */
-extern const double exits_noise;
+extern const double pressure_noise;
 
 /* Starts to watch the exits for limit cycles. In a limit cycle the solution with the exit at one
  * node requires the exit at another node, and vice versa. The least squares then leave a pressure

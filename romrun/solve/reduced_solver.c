@@ -462,7 +462,7 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
     double film = nodes_at_centre(model, self->nodes.now.film);
     double change = nodes_central_change(&self->nodes, step);
     at->converged =
-        fabs(change) * rate < self->settings.tolerance * film && at->change * rate < exits_noise;
+        fabs(change) * rate < self->settings.tolerance * film && at->change * rate < pressure_noise;
     axpy(state->coordinates, 1, step, model->num_unknowns);
     info->iterations++;
     return true;
