@@ -22,11 +22,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Returns the ridge that is added to A^T A, for modes of unit norm. A^T A is singular with fewer rows
- * than modes. With a smaller ridge, round-off selects rows or the factorisation fails; a larger ridge
- * affects the selection. The square root of the relative round-off is far from both. Ridges from
- * 1e-14 to 1e-6 select the same rows (examples: 56 modes of a line contact, 24 of a point contact;
- * bench_selection.c). */
+/* Returns the ridge that is added to A^T A, for modes of unit norm. A^T A is singular with fewer
+ * rows than modes. With a smaller ridge, round-off selects rows or the factorisation fails; a
+ * larger ridge affects the selection. The square root of the relative round-off is far from both.
+ * Ridges from 1e-14 to 1e-6 select the same rows (examples: 56 modes of a line contact, 24 of a
+ * point contact; bench_selection.c). */
 static double ridge(void) {
     return sqrt(DBL_EPSILON);
 }

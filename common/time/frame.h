@@ -47,9 +47,9 @@ void frame_contact(
 
 /* Returns the ratio of X in frame `then` to X in frame `now`, for the same physical place. */
 double frame_stretch(const contact_frame *now, const contact_frame *then);
-/* Returns the largest relative growth of the half width from one step to the next for which films of
- * previous states are known beyond the grid: the growth under 2.25 times the load. The half width of
- * a line contact then grows by 0.5, that of a point contact by 0.31. */
+/* Returns the largest relative growth of the half width from one step to the next for which films
+ * of previous states are known beyond the grid: the growth under 2.25 times the load. The half
+ * width of a line contact then grows by 0.5, that of a point contact by 0.31. */
 double frame_most_growth(const contact_kind *kind, const contact_shape *shape);
 /* Returns the ratio of the film in frame `now` to the film in frame `then`, for the same physical
  * film. */

@@ -10,8 +10,8 @@
  * formula (common/physics/README.md, Default grid; test_time_grid.c, default_grids_suffice). */
 static const double USUAL_EFFECT = 0.03, LARGEST_EFFECT = 0.05;
 
-/* Number of points in time at which histories are sampled: NUM_TIMES in one period, or until the end
- * if there is no period; at most MOST_TIMES in all (test_time_grid.c, no_minimum_is_missed). */
+/* Number of points in time at which histories are sampled: NUM_TIMES in one period, or until the
+ * end if there is no period; at most MOST_TIMES in all (test_time_grid.c, no_minimum_is_missed). */
 enum { NUM_TIMES = 1000, MOST_TIMES = 100000 };
 
 /* Returns the stationary contact with the M and the Hertz pressure of a frame's contact. */

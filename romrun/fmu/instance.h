@@ -65,10 +65,10 @@ typedef struct fmu_direction {
     const double *along; // [num_knowns] direction
 } fmu_direction;
 
-/* Computes derivative[k] = sum over i of along[i] d unknowns[k] / d knowns[i]. At the start these are derivatives of the stationary contact,
- * later derivatives at the end of the last internal step. The library's tangent computes them.
- * Outputs without a tangent get central differences, which take three more steps for all of these
- * outputs together. */
+/* Computes derivative[k] = sum over i of along[i] d unknowns[k] / d knowns[i]. At the start these
+ * are derivatives of the stationary contact, later derivatives at the end of the last internal
+ * step. The library's tangent computes them. Outputs without a tangent get central differences,
+ * which take three more steps for all of these outputs together. */
 bool fmu_derivative(fmu_instance *self, const fmu_direction *of, double derivative[]);
 
 /* Saves the state as a block of bytes, which this FMU can restore in any process. Allocates the

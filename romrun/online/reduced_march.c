@@ -993,9 +993,9 @@ static double film_of_attempt(const void *context, size_t node) {
  * pressure_noise for the pressures, the errors of short steps would be noise. The minimum film
  * would then differ from the full model by 1.0 % instead of 0.4 %. */
 static double iteration_tolerance(const reduced_march *self) {
-    // `part`: tolerance divided by the allowed error of the step. `most`: largest tolerance. Without
-    // `most` a long march with slow changes takes 8 % more steps, and its films change by up to
-    // twice the tolerance of the steps (test_path_march.c,
+    // `part`: tolerance divided by the allowed error of the step. `most`: largest tolerance.
+    // Without `most` a long march with slow changes takes 8 % more steps, and its films change by
+    // up to twice the tolerance of the steps (test_path_march.c,
     // a_tolerance_of_the_steps_saves_iterations).
     const double part = 0.1, most = 1.5e-6;
     const double path = self->bdf.step * fmax(self->bdf.entrainment, 1);

@@ -390,10 +390,10 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
 static const double MAX_KEPT_RATE = 0.5;
 
 /* Largest change of P in one iteration with kept factors. The change is an L2 norm, which follows
- * from the coordinates and does not depend on the grid. An iteration with a larger change would need
- * damping. The line contact under a load of period 1/2 (scenes/studies/transient-load) takes 370
- * iterations with new Jacobians and 1768 with kept factors. With a limit of 2e-3 these numbers are
- * 685 and 1143, and the march takes 22 % more instructions. */
+ * from the coordinates and does not depend on the grid. An iteration with a larger change would
+ * need damping. The line contact under a load of period 1/2 (scenes/studies/transient-load) takes
+ * 370 iterations with new Jacobians and 1768 with kept factors. With a limit of 2e-3 these numbers
+ * are 685 and 1143, and the march takes 22 % more instructions. */
 static const double MAX_KEPT_CHANGE = 2e-2;
 
 /* Factorises the Jacobian at the state at which the rows have been evaluated. */

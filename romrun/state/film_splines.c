@@ -78,7 +78,8 @@ static void fill_kernel_table(film_splines *self, const contact_kind *kind) {
 // ---- the modes
 
 /* Extends the model's grid upstream of the contact and at its sides. If the frame has grown with
- * the load, the nodes of the present frame lie farther out in a previous frame (frame_most_growth). */
+ * the load, the nodes of the present frame lie farther out in a previous frame (frame_most_growth).
+ * */
 static void widen_grid(film_splines *self, const reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     const double growth = frame_most_growth(model->kind, &grid->shape);
