@@ -11,7 +11,12 @@
  * changes the film (README.md, The exit). */
 static const double WINDOW = 0.05, SETTLED = 0.005;
 
-const double exits_near_change = 5e-3, pressure_noise = 7e-6;
+/* Magnitude up to which negative pressures are ascribed to the truncated basis and ignored, Hertz
+ * pressures. Iterations of a model of scenes/examples/line-in-time: 255 with a magnitude of 1e-5,
+ * 265 with 1e-4, and 257 with 1e-7. */
+static const double NOISE = 1e-5;
+
+const double exits_near_change = 5e-3;
 
 void exits_init(exit_search *self, const reduced_model *model, double spacing, arena *memory) {
     const exit_band *band = &model->band;
@@ -190,7 +195,7 @@ static size_t find_by_flux(exit_query *query) {
 
     nodes_expand_band(query->nodes, query->z, begin, exit);
     node = node > first_row ? node : first_row;
-    while (node < exit && pressure[node - band->begin] >= -pressure_noise)
+    while (node < exit && pressure[node - band->begin] >= -NOISE)
         node++;
     if (node < exit) {
         found = node_with_flux(query, flux_at(query, node), node, exit - 1);
@@ -216,10 +221,10 @@ static size_t find_by_signs(exit_query *query, size_t line) {
     size_t end = exit + window < band->max_exit ? exit + window : band->max_exit;
     bool by_pressure = query->squeeze && model->band.num_lines > 1;
 
-    while (column < exit && pressure[column - band->begin] >= -pressure_noise)
+    while (column < exit && pressure[column - band->begin] >= -NOISE)
         column++;
     if (column < exit) return column > band->min_exit ? column : band->min_exit;
-    while (column < end && !(by_pressure && pressure[column - band->begin] < -pressure_noise) &&
+    while (column < end && !(by_pressure && pressure[column - band->begin] < -NOISE) &&
            multiplier_at(query, first + column) < 0)
         column++;
     return column;

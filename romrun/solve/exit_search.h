@@ -42,14 +42,6 @@ void exits_init(exit_search *self, const reduced_model *model, double spacing, a
  * first change of direction, the models take 18,115 iterations. */
 extern const double exits_near_change;
 
-/* Tolerance of the change of P in an iteration with kept factors, in Hertz pressures (L2 norm). A
- * negative pressure of at most this magnitude is round-off of the iteration, or an error of the
- * truncated basis, and does not move an exit. scenes/examples/line-in-time takes 255 iterations
- * with this tolerance, and 328 with 7e-7. With 7e-5 the film of this example changes by 4e-4. If
- * each negative pressure moves the exit, marches differ from those of the full model
- * (test_reduced_march.c, full_rank_marches_as_the_full_model). */
-extern const double pressure_noise;
-
 /* Starts to watch the exits for limit cycles. In a limit cycle the solution with the exit at one
  * node requires the exit at another node, and vice versa. The least squares then leave a pressure
  * or a multiplier with the wrong sign. After its first change of direction an exit therefore moves
