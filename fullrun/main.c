@@ -327,7 +327,7 @@ static ehd_status solve_stationary(stationary_run *self, ehd_error *error) {
 
 /* Largest number of halvings of the default grid step. Lines, points and ellipses with b/a up to 20
  * were solved with M from 0.1 to 2000 and L from 0 to 25, ellipses with b/a = 0.5 up to M = 300,
- * with 0.1 up to M = 30, and with 0.05 up to M = 10 (long_grids.bats). Wherever the default step
+ * and with b/a from 0.05 up to M = 10 (long_grids.bats). Wherever the default step
  * was too coarse, one halving was enough. On a point contact each halving makes the number of nodes
  * four times as large. */
 enum { MAX_HALVINGS = 2 };
