@@ -412,6 +412,12 @@ double full_observed_order(const double films[3]) {
     return isgreater(ratio, 0) ? log2(ratio) : NAN;
 }
 
+/* If films alternate, the estimate is at least the change from 4h to 2h divided by this number,
+ * because the films on the steps 2h and h may agree by chance. With 4 an ellipse on a grid with an
+ * error of 0.2 % has an estimate above resolution_limit and is refused (ellipse.bats, "Y has the
+ * half width across"). */
+static const double ALTERNATING = 8;
+
 double full_step_effect(const double films[3], double order, double limit) {
     const double change = (films[0] - films[1]) / films[0];
     const double before = (films[1] - films[2]) / films[0];
@@ -419,7 +425,7 @@ double full_step_effect(const double films[3], double order, double limit) {
 
     if (isnan(films[1])) return INFINITY;
     if (!(observed > 0)) return fabs(change) > limit ? INFINITY : fabs(change);
-    if (change * before < 0) return fmax(fabs(change), fabs(before) / 8);
+    if (change * before < 0) return fmax(fabs(change), fabs(before) / ALTERNATING);
     const double larger = fmax(fabs(change), fabs(before) / exp2(order));
     return larger / (exp2(fmax(1, fmin(observed, order))) - 1);
 }

@@ -48,11 +48,15 @@ typedef struct adaptive_task {
  *
  * The output file, caller->output, grows from round to round, and an interrupted training can be
  * resumed. The chosen points and their solutions do not depend on num_workers, on interruptions, or
- * on the process that solved a point. Several calls of adaptive_solve may share the points of a
- * round: each solves one piece of the round and writes a file. adaptive_train copies the solutions
- * of the last round from these files, which task->pieces names. With `parts` the training ends
- * early if one model is expected to need too many points, and writes a list of parts of the region
- * in place of the output (README.md, Parts of a region).
+ * on the process that solved a point.
+ *
+ * Several processes may share the points of a round. Each process calls adaptive_solve, which
+ * solves a part of the points (a *piece* of the round) and writes the solutions to a file.
+ * task->pieces lists these files. adaptive_train then copies the solutions from them.
+ *
+ * If task->parts is set and one model would need too many points, the training ends early. It then
+ * writes no output, but a list of parts of the region (README.md, Parts of a region).
+ *
  * Errors: EHD_NOT_CONVERGED: more points than allowed, or all points, failed in the full model;
  * EHD_DATA: trajectories in the plan, a piece of another training or round; EHD_INTERRUPTED; errors
  * of snapshots_create and snapshots_resume. */

@@ -47,7 +47,7 @@ static ehd_status put_choice(artefact *file, size_t place, const adaptive_state 
 
 /* Writes the numbers of the states from `first` on. This sets the length of the axis `state`. */
 static ehd_status put_numbers(artefact *file, size_t first, size_t count, ehd_error *error) {
-    ehd_status status = axis_number(file, "state", first, count, error);
+    ehd_status status = artefact_put_axis_part(file, "state", first, count, NULL, error);
 
     if (!status) status = artefact_flush(file, error);
     if (!status) artefact_save(file);

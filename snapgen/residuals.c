@@ -372,7 +372,8 @@ static ehd_status end_file(artefact **file, const repeated_training *training,
         status = put_compressed(*file, repeated, training->model->rows.num_rows, num_iterations,
                                 num_compressed, error);
     if (!status)
-        status = axis_number(*file, "iteration", 0, num_iterations + num_compressed, error);
+        status = artefact_put_axis_part(*file, "iteration", 0, num_iterations + num_compressed,
+                                        NULL, error);
     if (!status) status = put_states(*file, training, error);
     return status ? status : artefact_finish(file, error);
 }

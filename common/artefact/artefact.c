@@ -96,9 +96,7 @@ const artefact_field *find_field(const artefact *file, const char *name) {
 }
 
 const artefact_field *artefact_find(const artefact_field *list, const char *name) {
-    while (list->name && strcmp(list->name, name) != 0)
-        list++;
-    return list->name ? list : NULL;
+    return entry_find(list, sizeof *list, name);
 }
 
 const artefact_field *find_attribute(const artefact *file, const char *name) {

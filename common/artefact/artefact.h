@@ -130,10 +130,10 @@ ehd_status artefact_create_growing(
 ehd_status artefact_put_axis(artefact *file, const char *name, size_t length, const double *values,
                              ehd_error *error);
 
-/* Writes `count` values of the growing axis, from entry `first` on. Before this call, write the
- * fields of these entries. If the axis becomes longer, all fields on it grow first, and the axis
- * itself grows last. A reader that looks up the length of the axis therefore finds that many
- * entries in every field. */
+/* Writes `count` values of the growing axis, from entry `first` on; NULL: the numbers of the
+ * entries. Before this call, write the fields of these entries. If the axis becomes longer, all
+ * fields on it grow first, and the axis itself grows last. A reader that looks up the length of the
+ * axis therefore finds that many entries in every field. */
 ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first, size_t count,
                                   const double *values, ehd_error *error);
 

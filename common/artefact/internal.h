@@ -258,8 +258,7 @@ ehd_status give_final_name(artefact *file, ehd_error *error);
 /* Writes an attribute of the schema; `value` is a number of the type, or the text. */
 ehd_status put_attribute(artefact *file, const char *name, artefact_type type, const void *value,
                          ehd_error *error);
-/* Writes `count` entries of a field, as artefact_put_part does for real numbers. WHOLE_FIELD: all
- * entries. */
+/* Writes `count` entries of a field, as artefact_put_part does for real numbers. */
 ehd_status put_entries(artefact *file, const char *name, artefact_type type, size_t first,
                        size_t count, const void *data, ehd_error *error);
 
@@ -294,14 +293,15 @@ bool is_extendible(hid_t dataset);
 bool set_dataset_length(hid_t dataset, size_t length);
 bool extend_dataset(hid_t dataset, size_t length);
 
-/* Reads `count` entries of a dataset along its first axis, from entry `first` on, into `data`. The
- * count WHOLE_FIELD stands for all entries. `data` has room for `room` numbers. EHD_DATA: the
- * entries together do not have exactly `room` numbers. */
+/* A number of entries that stands for all entries of a dataset. */
 #define WHOLE_FIELD ((size_t)-1)
+/* Reads `count` entries of a dataset along its first axis, from entry `first` on, into `data`,
+ * which has room for `room` numbers. EHD_DATA: the entries together do not have exactly `room`
+ * numbers. */
 ehd_status read_entries(artefact *file, const char *name, artefact_type type, size_t first,
                         size_t count, void *data, size_t room, ehd_error *error);
-/* Writes `count` entries of a dataset along its first axis, from entry `first` on. WHOLE_FIELD: all
- * entries. Datasets on the growing axis grow as needed. */
+/* Writes `count` entries of a dataset along its first axis, from entry `first` on. A dataset on the
+ * growing axis becomes longer if needed. */
 ehd_status write_entries(artefact *file, const char *name, artefact_type type, size_t first,
                          size_t count, const void *data, ehd_error *error);
 
@@ -325,8 +325,7 @@ ehd_status read_field(artefact *file, const artefact_field *field,
  * (`partial`) it skips fields that may be damaged (is_kept_apart). With a growing axis it reads
  * only the axes and the fields on that axis, because other fields are overwritten in place. */
 ehd_status read_everything(artefact *file, bool partial, ehd_error *error);
-/* Read and check a number or entries of a field, like artefact_get_real and artefact_get_part.
- * WHOLE_FIELD: all entries. */
+/* Read and check a number or entries of a field, like artefact_get_real and artefact_get_part. */
 ehd_status get_number(artefact *file, const char *attribute, artefact_type type, void *value,
                       ehd_error *error);
 ehd_status get_entries(artefact *file, const char *name, artefact_type type, size_t first,

@@ -129,12 +129,18 @@ static bool create_scale(hid_t *dataset, hid_t root, const artefact_axis *axis, 
            H5DSset_scale(*dataset, axis->name) >= 0;
 }
 
+/* Returns the numbers first, first + 1, ...; NULL: there is no memory. */
+static double *numbers_from(size_t first, size_t count) {
+    double *numbers = array_new(count, 1, sizeof *numbers);
+    for (size_t i = 0; numbers && i < count; i++)
+        numbers[i] = (double)(first + i);
+    return numbers;
+}
+
 static bool write_scale(hid_t root, const artefact_axis *axis, size_t length,
                         const double *values) {
     hid_t dataset = -1;
-    double *index = values ? NULL : array_new(length, 1, sizeof *index);
-    for (size_t i = 0; index && i < length; i++)
-        index[i] = (double)i;
+    double *index = values ? NULL : numbers_from(0, length);
     const bool written = (values || index) &&
                          create_scale(&dataset, root, axis, !values, length, LAYOUT_PLAIN) &&
                          H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
@@ -298,15 +304,18 @@ ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first
         return ehd_fail(error, EHD_INTERNAL, "%s: found axis %s, expected the one that grows",
                         file->path, name);
     size_t *length = &find_dataset(file, name)->length;
-    ehd_status status = EHD_OK;
-    if (first + count > *length) {
+    double *index = values ? NULL : numbers_from(first, count);
+    ehd_status status = values || index ? EHD_OK : ehd_no_memory(error, file->path);
+    if (!status && first + count > *length) {
         status = extend_fields(file, first + count, error);
         // only a flush ensures that readers see the longer fields before the longer axis
         if (status == EHD_OK) status = artefact_flush(file, error);
     }
     if (status == EHD_OK)
-        status = write_entries(file, name, ARTEFACT_REAL, first, count, values, error);
+        status =
+            write_entries(file, name, ARTEFACT_REAL, first, count, values ? values : index, error);
     if (status == EHD_OK && first + count > *length) *length = first + count;
+    free(index);
     return status;
 }
 

@@ -555,7 +555,8 @@ static ehd_status put_hdf5(case_table *self, const case_row *rows, size_t count,
         if (self->written[c])
             status = column_put(self->file, &columns[c], self->num_rows, rows, sizeof *rows, count,
                                 error);
-    if (!status) status = axis_number(self->file, "case", self->num_rows, count, error);
+    if (!status)
+        status = artefact_put_axis_part(self->file, "case", self->num_rows, count, NULL, error);
     if (!status) status = artefact_flush(self->file, error);
     if (!status) artefact_save(self->file);
     return status;

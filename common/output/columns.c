@@ -75,18 +75,6 @@ bool columns_are_in(const artefact *file, const column *columns) {
     return all;
 }
 
-ehd_status axis_number(artefact *file, const char *axis, size_t first, size_t count,
-                       ehd_error *error) {
-    double *numbers = array_new(count, 1, sizeof *numbers);
-    if (!numbers) return ehd_no_memory(error, artefact_path(file));
-
-    for (size_t i = 0; i < count; i++)
-        numbers[i] = (double)(first + i);
-    const ehd_status status = artefact_put_axis_part(file, axis, first, count, numbers, error);
-    free(numbers);
-    return status;
-}
-
 // ---- named numbers
 
 static ehd_status put_entry(artefact *file, size_t entry, const named_number *number,

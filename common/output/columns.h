@@ -7,15 +7,15 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* A member of a struct that is a dataset: one number, or several numbers in fixed steps. The
- * numbers are double, or int64_t or size_t if the schema has integers. */
+/* A member of a struct that is a dataset: one number, or several numbers at equal distances. The
+ * numbers are double, or int64_t or size_t where the schema has integers. */
 typedef struct column {
     const char *field; // name of the dataset
     size_t offset;     // bytes from the beginning of the struct to the first number
     size_t each;       // numbers in one struct
     size_t apart;      // bytes from one of these numbers to the next
-    bool integer;
-    bool optional; // readers accept files without the dataset
+    bool integer;      // as in the schema, which the library does not contain
+    bool optional;     // readers accept files without the dataset
 } column;
 
 /* Return the columns of a member: a number or an array of numbers. */
@@ -42,11 +42,6 @@ ehd_status column_get(void *structs, size_t size, size_t count, const column *se
 
 /* Checks whether a file has all columns that are not optional. */
 bool columns_are_in(const artefact *file, const column *columns);
-
-/* Numbers the entries `first` to first + count - 1 of the growing axis, as artefact_put_axis_part:
- * this makes the axis longer. Errors: EHD_MEMORY, and those of artefact_put_axis_part. */
-ehd_status axis_number(artefact *file, const char *axis, size_t first, size_t count,
-                       ehd_error *error);
 
 /* A number and its name in a file: an attribute, or a field with one number for each entry. */
 typedef struct named_number {

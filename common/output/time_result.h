@@ -78,11 +78,12 @@ ehd_status time_result_checkpoint(artefact *file,
                                   const double *restart, // [restart_size] of the file
                                   size_t num_entries, ehd_error *error);
 
-/* Opens NAME.partial of an earlier run to continue it. Starts streaming again: other programs can
- * read the file while it is written. Drops the entries after the last whole checkpoint; the run
- * computes these entries again. Returns EHD_NOINPUT if there is no such file. Returns EHD_DATA if
- * the file is damaged, or if its settings, model, tables, grid or restart_size differ. Returns
- * EHD_CANTCREATE in the same cases as artefact_resume. */
+/* Opens the unfinished result NAME.partial of an interrupted run, so that this run can continue it.
+ * Other programs can read the file while it is written. Removes the entries after the last complete
+ * checkpoint; this run computes them again. Errors:
+ * - EHD_NOINPUT: there is no such file
+ * - EHD_DATA: the file is damaged, or its settings, model, tables, grid or restart_size differ
+ * - EHD_CANTCREATE: as artefact_resume */
 ehd_status time_result_resume(
     // output:
     artefact **file,

@@ -196,16 +196,12 @@ static ehd_status assign_number(scene_source *source, const char *quantity, cons
 
 /* Removes all histories from a scene. Returns EHD_DATA if an override gives a history. */
 static ehd_status clear(scene_source *source, place where, ehd_error *error) {
-    static const char group[] = "transient.";
     scene none;
 
     scene_defaults(&none);
     memcpy(source->values.transient.vary, none.transient.vary, sizeof none.transient.vary);
     for (const setting *row = scene_settings(); row->key; row++) {
-        // the key of a history has two dots, as transient.load.law; other keys of this group have
-        // one dot, as transient.end_time
-        const char *name = row->key + sizeof group - 1;
-        if (strncmp(row->key, group, sizeof group - 1) != 0 || !strchr(name, '.')) continue;
+        if (setting_quantity(row) < 0) continue;
         if (source_is_overridden(source, row))
             return place_fail(error, (place){"--set", 0},
                               "%s: found a key that %s varies by histories, expected another one",

@@ -765,20 +765,17 @@ static void print_words(FILE *stream, const char *choices) {
         fputs(*choices == '|' ? " or " : (char[]){*choices, '\0'}, stream);
 }
 
-/* Returns the quantity to whose history a key belongs, or -1 if the key belongs to no history. */
-static int quantity_of(const char *key) {
+int setting_quantity(const setting *row) {
     char group[MAX_KEY];
     for (int i = 0; i < NUM_VARY; i++) {
         snprintf(group, sizeof group, "transient.%s", vary_names[i]);
-        if (stands_below(key, group)) return i;
+        if (stands_below(row->key, group)) return i;
     }
     return -1;
 }
 
-/* Prints the conditions of a row: "regime transient, closure load". For a key of histories, prints
- * only the condition that all histories have. */
-static void print_conditions(FILE *stream, const setting *row, const char *before) {
-    const size_t max_shown = quantity_of(row->key) < 0 ? MAX_CONDITIONS : 1;
+void setting_print_conditions(FILE *stream, const setting *row, const char *before) {
+    const size_t max_shown = setting_quantity(row) < 0 ? MAX_CONDITIONS : 1;
     for (size_t i = 0; i < max_shown && row->when[i].key; i++) {
         fprintf(stream, "%s%s ", i ? ", " : before, last_part(row->when[i].key));
         print_words(stream, row->when[i].values);
@@ -787,12 +784,12 @@ static void print_conditions(FILE *stream, const setting *row, const char *befor
 
 /* Checks whether a row is shown. All histories have the same keys, so only the first is shown. */
 static bool is_shown(const setting *row) {
-    return quantity_of(row->key) <= 0;
+    return setting_quantity(row) <= 0;
 }
 
 /* Prints "moes.M", or "transient.<load|speed>.law" for all histories. */
 static void print_key(FILE *stream, const setting *row) {
-    if (quantity_of(row->key) < 0) {
+    if (setting_quantity(row) < 0) {
         fputs(row->key, stream);
         return;
     }
@@ -813,7 +810,7 @@ void scene_print_help(FILE *stream) {
         fprintf(stream, ": %s", allowed);
         if (row->required) fprintf(stream, "; required");
         if (row->default_value) fprintf(stream, "; default %s", row->default_value);
-        print_conditions(stream, row, row->required ? " with " : "; only with ");
+        setting_print_conditions(stream, row, row->required ? " with " : "; only with ");
         fprintf(stream, "\n      %s\n", row->help);
     }
     fprintf(stream, "\nEither moes or physical is required, with all of its keys.\n");

@@ -71,6 +71,14 @@ int setting_compare(const setting *row, const scene *left, const scene *right);
  * Returns the length of the text, like snprintf. */
 size_t setting_show(char *text, size_t size, const setting *row, const scene *of);
 
+/* Returns the quantity (index of vary_names) to whose history a row belongs, or -1 if the row
+ * belongs to no history. All histories have the same keys. */
+int setting_quantity(const setting *row);
+
+/* Prints `before` and the conditions of a row: "regime transient, closure load". For a row of a
+ * history, prints only the condition that all histories have. */
+void setting_print_conditions(FILE *stream, const setting *row, const char *before);
+
 /* Prints "key: value"; the value must be given. */
 void setting_print(FILE *stream, const setting *row, const scene *of);
 

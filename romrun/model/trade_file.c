@@ -200,9 +200,10 @@ static ehd_status get_shapes(trade_table *table, artefact *file, ehd_error *erro
         (num_bounded != NUM_BOUNDED && num_bounded != OF_OTHERS + INDICATED_FRICTION))
         return EHD_OK;
     for (const column *of_all = shapes; of_all->field && !status; of_all++) {
-        column found[] = {*of_all, {0}};
-        found->each = num_bounded;
-        status = get(table, found, file, error);
+        column found = *of_all;
+        found.each = num_bounded;
+        status = column_get(table->positions, sizeof *table->positions, table->num_positions,
+                            &found, file, error);
     }
     return status;
 }

@@ -83,9 +83,9 @@ ehd_status part_solve(online_result *result, part_solver *solver, const ehd_cont
                       ehd_error *error);
 bool part_has_traction(const model_part *model);
 
-/* Checks that a contact agrees with the model in its kind (line, point, ellipse), its grid, the
- * discretisation and the boundary (what lies around the grid). Returns EHD_OK, or EHD_DATA with the
- * values of contact and model in the text. */
+/* Checks that contact and model have the same kind (line, point, ellipse), grid, discretisation,
+ * and boundary condition around the grid. If one of these differs, returns EHD_DATA; the text of
+ * the error then gives both values. */
 ehd_status part_check_contact(const model_part *model, const ehd_contact *contact,
                               ehd_error *error);
 
