@@ -115,8 +115,12 @@ ehd_status case_list_scene(scene *one, const case_list *self, const case_texts *
 
 ehd_status case_list_fail(const case_list *self, size_t line, ehd_error *error) {
     const ehd_error cause = *error;
+    const size_t length = strlen(self->table_path);
+    const bool named =
+        strncmp(cause.text, self->table_path, length) == 0 && cause.text[length] == ':';
 
-    return place_fail(error, (place){self->table_path, line}, "%s", cause.text);
+    // an error in a value of this row already names the row
+    return named ? EHD_DATA : place_fail(error, (place){self->table_path, line}, "%s", cause.text);
 }
 
 size_t case_list_num_columns(const case_list *self) {
