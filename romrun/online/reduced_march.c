@@ -206,8 +206,8 @@ static ehd_status check_carriage(const reduced_model *model, const ehd_contact *
 
     if (status && is_of_stationary_scenes(&model->states))
         return ehd_fail(error, status,
-                        "regime: found transient, expected stationary: the model was trained on "
-                        "stationary scenes alone (a plan's `histories` train it in time)");
+                        "regime: found transient, expected stationary: this model was trained on "
+                        "stationary contacts; train with `histories` in the plan");
     return status;
 }
 

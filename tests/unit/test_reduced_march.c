@@ -326,7 +326,8 @@ static void another_carriage_is_refused(void **state) {
                                           &strict_settings, &error),
                      EHD_DATA);
     assert_null(created);
-    assert_non_null(strstr(error.text, "the model was trained on stationary scenes alone"));
+    assert_non_null(strstr(
+        error.text, "this model was trained on stationary contacts; train with `histories`"));
     self.model.states.stationary[0] = false;
     assert_int_equal(reduced_march_create(&created, &self.model, &self.splines, &self.reference,
                                           &strict_settings, &error),
