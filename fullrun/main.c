@@ -8,6 +8,7 @@
 #include "common/output/output_main.h"
 #include "common/output/result.h"
 #include "common/output/time_run.h"
+#include "common/output/traction_output.h"
 #include "common/physics/grid_choice.h"
 #include "common/program/program.h"
 #include "common/program/team.h"
@@ -238,7 +239,7 @@ static void note_resolution(const program *self, const full_resolution *resoluti
     const char *path = self->arguments[0];
     const double *effects = resolution->effects.of;
 
-    if (film_effects_are_infinite(&resolution->effects)) return; // result_judge_grid handles this
+    if (film_effects_are_infinite(&resolution->effects)) return; // result_judge handles this
     if (effects[EFFECT_INLET] > default_accuracy)
         program_note(self,
                      "%s: grid.x_min: found %g, expected a longer inlet: the error estimate of the "
@@ -378,12 +379,13 @@ static ehd_status report_stationary(artefact **file, const stationary_run *self,
         effects = self->resolution.effects;
         status = report_resolution(*file, self->caller, &self->resolution, contact, error);
     }
-    result_judge_grid(&result, &contact->grid);
+    result_judge(&result, &contact->grid);
     if (!status && *file) status = result_write(file, &result, contact, error);
     if (!status && result.status == EHD_NOT_CONVERGED)
         status = ehd_fail(error, result.status, "%s: not converged: %s", path, result.reason);
     if (status) return status;
     result_print(&result, contact);
+    if (result.traction) traction_warn(self->caller, result.traction->friction);
     if (self->options->start) print_start(self->options->start, self->start_film, &result);
     if (self->options->formulas) {
         const contact_scalars scalars = full_evaluate_scalars(&self->state, contact);
@@ -395,9 +397,9 @@ static ehd_status report_stationary(artefact **file, const stationary_run *self,
             ehd_fail(error, result.status,
                      "%s: found %s, expected %s (--allow-untrusted takes the result all the same)",
                      path, result.reason,
-                     strcmp(result.reason, flow_doubt_reason) == 0 ? "a result to be trusted"
-                     : film_effects_inlet_is_short(&effects)       ? "a longer one"
-                                                                   : "a finer one");
+                     !film_effects_are_infinite(&effects)    ? "a result to be trusted"
+                     : film_effects_inlet_is_short(&effects) ? "a longer one"
+                                                             : "a finer one");
     return status;
 }
 

@@ -7,6 +7,7 @@
 #include "common/output/result.h"
 #include "common/output/time_result.h"
 #include "common/output/time_run.h"
+#include "common/output/traction_output.h"
 #include "common/program/output_file.h"
 #include "common/program/program.h"
 #include "common/settings/part_list.h"
@@ -398,6 +399,7 @@ static ehd_status show(const stationary_run *self, ehd_error *error) {
 
     if (self->result.status == EHD_NOT_CONVERGED) return EHD_OK;
     result_print(&self->result, self->contact);
+    if (self->result.traction) traction_warn(self->caller, self->result.traction->friction);
     if (options->models.num > 1 && !self->by_full_model)
         printf("%-24s%s\n", "solved by", online_part_path(done->model, done->solution.part));
     if (self->by_full_model)
@@ -435,7 +437,7 @@ static ehd_status solve_and_show(stationary_run *self, const char *scene_lines, 
         self->result.solved_by = SOLVED_BY_REDUCED;
         status = fall_back(self, with_fields, with_effects, error);
     }
-    if (!status) result_judge_grid(&self->result, &self->contact->grid);
+    if (!status) result_judge(&self->result, &self->contact->grid);
     if (!status && file) status = result_write(&file, &self->result, self->contact, error);
     if (!status) status = show(self, error);
     if (!status) status = judge(&self->result, options, caller->arguments[0], error);

@@ -8,6 +8,7 @@
 #include "common/program/program.h"
 #include "common/settings/part_list.h"
 #include "common/settings/scene.h"
+#include "common/settings/scene_contact.h"
 #include "common/training/pool.h"
 #include "fullrun/training.h"
 #include "podbuild/readers.h"
@@ -107,6 +108,21 @@ static void print_settings(void) {
 
 // ---- the training
 
+/* Warns of the first point with an implausible quantity, and names the quantity. */
+static void warn_implausible(const program *self, const training_set *set, const plan *given) {
+    char text[PLAUSIBLE_TEXT], name[POINT_NAME];
+
+    for (size_t p = 0; p < set->num_points; p++)
+        for (size_t i = 0; i < plausible_count(); i++) {
+            const ehd_contact *contact = &set->contacts[p];
+            const scene *of = &given->points[set->numbers[p]].scene;
+            if (scene_judge(text, i, contact, of) == PLAUSIBLE) continue;
+            training_point_name(name, contact);
+            program_warn(self, "%s: point %s: %s", self->arguments[0], name, text);
+            return;
+        }
+}
+
 /* Reads the plan and makes its points. Also sets `adaptive` if the plan has a region. */
 static ehd_status load_set(training_set *set, bool *adaptive, const program *self, shard piece,
                            ehd_error *error) {
@@ -120,6 +136,7 @@ static ehd_status load_set(training_set *set, bool *adaptive, const program *sel
     if (!status && set->num_dropped > 0)
         program_note(self, "%s: %zu of %zu points lie outside of the bounds and are left out", path,
                      set->num_dropped, given.num_points);
+    if (!status) warn_implausible(self, set, &given);
     plan_free(&given);
     return status;
 }

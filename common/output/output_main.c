@@ -2,6 +2,7 @@
 #include "common/output/output_main.h"
 
 #include "common/output/check.h"
+#include "common/output/describe.h"
 #include "common/output/print.h"
 #include "common/output/vtk.h"
 
@@ -15,6 +16,8 @@ int output_main(int argc, char **argv, const program_options *options,
     program_start(&self, argc, argv, options);
     if (self.check)
         status = check ? check(self.check, &error) : output_check(self.check, NULL, &error);
+    else if (self.describe)
+        status = scene_describe(&self, &error);
     else if (self.print)
         status = output_print(&self, &error);
     else if (self.vtk)

@@ -117,12 +117,19 @@ static ehd_status put_scalars(artefact *file, const run_result *result, ehd_erro
     return status;
 }
 
-void result_judge_grid(run_result *result, const ehd_grid *grid) {
-    if (result->status || !result->effects || !film_effects_are_infinite(result->effects)) return;
-    result->status = EHD_UNTRUSTED;
-    snprintf(result->reason, RESULT_REASON,
-             "a grid from X = %g on by %g, too %s to estimate its error", grid->x_min, grid->step,
-             film_effects_inlet_is_short(result->effects) ? "short" : "coarse");
+void result_judge(run_result *result, const ehd_grid *grid) {
+    const bool coarse = result->effects && film_effects_are_infinite(result->effects);
+
+    if (result->status) return;
+    if (coarse) {
+        result->status = EHD_UNTRUSTED;
+        snprintf(result->reason, RESULT_REASON,
+                 "a grid from X = %g on by %g, too %s to estimate its error", grid->x_min,
+                 grid->step, film_effects_inlet_is_short(result->effects) ? "short" : "coarse");
+    } else if (result->traction && isgreater(fabs(result->traction->friction), possible_friction)) {
+        result->status = EHD_UNTRUSTED;
+        snprintf(result->reason, RESULT_REASON, "%s", impossible_friction);
+    }
 }
 
 /* Writes the error estimates that are known. */

@@ -41,8 +41,8 @@ typedef struct run_result {
 } run_result;
 
 /* Sets the status of a solved result to EHD_UNTRUSTED if the grid is too coarse, or its inlet too
- * short, for an error estimate. */
-void result_judge_grid(run_result *result, const ehd_grid *grid);
+ * short, for an error estimate, or if the friction exceeds possible_friction. */
+void result_judge(run_result *result, const ehd_grid *grid);
 
 /* Creates caller->output before the solution is known, so that an output that cannot be written is
  * refused before the work. `inputs`: paths, NULL at the end. Errors: see artefact_create. */

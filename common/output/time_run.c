@@ -4,6 +4,7 @@
 #include "common/output/grid_file.h"
 #include "common/output/inputs.h"
 #include "common/output/time_result.h"
+#include "common/output/traction_output.h"
 #include "common/settings/part_list.h"
 #include "common/time/apart.h"
 #include "common/time/surface.h"
@@ -33,6 +34,7 @@ typedef struct run_totals {
     double effect_squares, max_effect, max_effect_minimum;
     double max_indicated, max_indicated_minimum; // error estimates of both films; NaN: unknown
     double max_inlet, time_of_inlet;             // largest effect of the inlet, and its T
+    double max_friction;                         // divided by the reference load
 } run_totals;
 
 /* Offsets in a restart slot, counted in doubles. */
@@ -178,6 +180,19 @@ static double larger(double a, double b) {
     return isnan(a) || isgreater(a, b) ? a : b;
 }
 
+/* Notes the friction of a step, divided by the reference load. Returns false if no lubricant carries
+ * it. The result is then not trusted. */
+static bool judge_friction(runner *self, double time, double friction) {
+    const bool possible = !isgreater(fabs(friction), possible_friction);
+
+    self->totals.max_friction = fmax(self->totals.max_friction, fabs(friction));
+    if (!possible && isnan(self->march.state.untrusted_since)) {
+        self->march.state.untrusted_since = time;
+        snprintf(self->march.untrusted, MARCH_REASON, "%s", impossible_friction);
+    }
+    return possible;
+}
+
 /* Stores a step as entry `index` of the file. Every N-th entry has fields (output.fields_every). */
 static ehd_status store(void *sink, const march_step *step, size_t index, ehd_error *error) {
     runner *self = sink;
@@ -207,6 +222,8 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
             tractions = contact_traction_of(&frame, self->pressure, self->film, &step->scalars);
         tractions = frame_traction_to_reference(tractions, &step->frame);
     }
+    const bool trusted =
+        judge_friction(self, step->frame.time, tractions.friction) && !self->task->untrusted;
     const time_entry entry = {.time = step->frame.time,
                               .scalars = scalars,
                               .contact_half_width = step->frame.half_width,
@@ -216,8 +233,7 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
                               .exits = take_exits(self, step, &scalars),
                               .newton_iterations = step->iterations,
                               .residual = step->residual,
-                              .status = step->status || !self->task->untrusted ? step->status
-                                                                               : EHD_UNTRUSTED,
+                              .status = step->status || trusted ? step->status : EHD_UNTRUSTED,
                               .by_full_model = step->by_full_model,
                               .step = step->step,
                               .effect = step->effect,
@@ -472,6 +488,7 @@ static ehd_status conclude(runner *self, ehd_status outcome, ehd_error *error) {
     if (status) return status;
     report(self, &totals, outcome);
     note_effect(self, &totals);
+    traction_warn(self->task->caller, totals.max_friction);
     return judge(self, outcome, error);
 }
 

@@ -56,11 +56,6 @@ static int digits_of(double error, int most) {
     return error > 0 ? (int)fmin(fmax(ceil(-log10(error)) + 1, 1), most) : most;
 }
 
-/* Bounds of the friction coefficient: the largest value that the law `limiting` accepts. If the
- * friction exceeds this value and the viscosity rises with pressure, a line warns that the law of
- * shear stress does not hold. */
-static const double MUCH_FRICTION = 1;
-
 void traction_print(const contact_traction *traction, const ehd_contact *contact,
                     const film_effects *effects) {
     const double off = film_effects_of_rolling(effects);
@@ -85,7 +80,12 @@ void traction_print(const contact_traction *traction, const ehd_contact *contact
         if (*unit) printf("%.*g %s", digits_of(lines[i].error, 6), value * lines[i].scale, unit);
         putchar('\n');
     }
-    if (fabs(traction->coefficient) > MUCH_FRICTION && contact->alpha_p_H > 1)
-        printf("  of friction           more than lubricants carry, whose shear stress is below "
-               "the pressure: see lubricant.shear.law\n");
+}
+
+void traction_warn(const program *caller, double friction) {
+    if (isgreater(fabs(friction), usual_friction))
+        program_warn(caller,
+                     "%s: friction coefficient: found %.3g, expected at most %g: does "
+                     "lubricant.shear.law hold?",
+                     caller->arguments[0], friction, usual_friction);
 }

@@ -7,6 +7,7 @@
 #include "common/output/columns.h"
 #include "common/output/film_effects.h"
 #include "common/physics/traction.h"
+#include "common/program/program.h"
 
 /* The numbers of a contact_traction that are written: "friction_coefficient", … Ends with {0}. */
 extern const column traction_columns[];
@@ -28,8 +29,11 @@ ehd_status traction_put_stresses(artefact *file, size_t index, const ehd_contact
 
 /* Prints a line for each number, dimensionless and in SI units. Rolling resistance, rolling moment
  * and power loss are printed only with the digits that the error estimate of the rolling resistance
- * allows. Prints a warning if the friction is higher than a lubricant can carry. */
+ * allows. */
 void traction_print(const contact_traction *traction, const ehd_contact *contact,
                     const film_effects *effects); // error estimates of the grid
+
+/* Warns of a friction, divided by the load, above usual_friction. */
+void traction_warn(const program *caller, double friction);
 
 #endif

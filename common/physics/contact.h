@@ -313,10 +313,8 @@ extern const double default_accuracy;
 extern const double far_approach_length;
 
 /* Makes a contact without a grid. Returns EHD_OK, the error of lubricant_init, or EHD_DATA if
- * - the Hertz pressure exceeds the limit of the viscosity law,
  * - the given viscosity contradicts the law,
  * - the ellipticity is out of range,
- * - SI units give an M or L outside of the bounds above, or a half width above the radius,
  * - a thermal conductivity is given without the other data for the inlet heating. */
 ehd_status contact_init(
     // output:

@@ -254,7 +254,16 @@ void program_warn(const program *self, const char *format, ...) {
 
 // ---- the command line
 
-enum { KEY_HELP = 0x100, KEY_VERSION, KEY_SET, KEY_CHECK, KEY_PRINT, KEY_SI, KEY_VTK };
+enum {
+    KEY_HELP = 0x100,
+    KEY_VERSION,
+    KEY_SET,
+    KEY_CHECK,
+    KEY_DESCRIBE,
+    KEY_PRINT,
+    KEY_SI,
+    KEY_VTK
+};
 
 static const struct argp_option common_options[] = {
     {.doc = "Common to all programs:", .group = 10},
@@ -268,17 +277,20 @@ static const struct argp_option common_options[] = {
     {.name = "check",
      .key = KEY_CHECK,
      .arg = "FILE",
-     .doc = "Only check that FILE is whole and valid: exit 0, or what its readers exit with, and "
-            "what is wrong",
+     .doc = "Only check that FILE is whole and valid: exit 0, or print what is wrong",
+     .group = 10},
+    {.name = "describe",
+     .key = KEY_DESCRIBE,
+     .arg = "SCENE.yml",
+     .doc = "Only print what follows from a scene, such as Hertz pressure, M and L",
      .group = 10},
     {.name = "print",
      .key = KEY_PRINT,
      .arg = "FILE NAME...",
-     .doc = "Only print these datasets, axes and attributes of FILE as CSV, a line for each entry; "
-            "without a NAME, which ones there are. An attribute is the same in each line. Datasets "
-            "along several axes are led by the axes that are not named, and an empty line follows "
-            "when the axis before the last goes on (two for the one before that), as splot and "
-            "index of gnuplot expect. FILE may be a NAME.partial",
+     .doc = "Only print these datasets, axes and attributes of FILE as CSV, a line for each entry. "
+            "Without a NAME, print which ones there are. The axes that are not named come first. "
+            "After each line of a grid comes an empty line, after each grid two, as gnuplot's "
+            "splot and index expect. FILE may be a NAME.partial",
      .group = 10},
     {.name = "si",
      .key = KEY_SI,
@@ -329,7 +341,7 @@ static ehd_status take_mode(program *self, const char *last, ehd_error *error) {
     ehd_status status = EHD_OK;
 
     // with --print the arguments are names in the file
-    if (!mode || self->print || self->vtk || self->check) return EHD_OK;
+    if (!mode || self->print || self->vtk || self->check || self->describe) return EHD_OK;
     for (mode++; mode->word && self->num_arguments > 0; mode++)
         if (strcmp(mode->word, self->arguments[0]) == 0) {
             status = choose_mode(self, (size_t)(mode - self->modes), error);
@@ -507,6 +519,8 @@ static error_t parse_common(int key, char *argument, struct argp_state *state) {
         return add_override(self, argument, state);
     case KEY_CHECK:
         return set_file(&self->check, "--check", argument, state);
+    case KEY_DESCRIBE:
+        return set_file(&self->describe, "--describe", argument, state);
     case KEY_PRINT:
         return set_file(&self->print, "--print", argument, state);
     case KEY_VTK:
@@ -565,14 +579,15 @@ static ehd_status run_argp(program *self, const struct argp *argp, char **argume
  * option gave the last argument. */
 static ehd_status check_count(const program *self, const program_mode *mode, bool by_option,
                               ehd_error *error) {
-    const size_t found = self->num_arguments, most = self->vtk ? 0 : mode->max_arguments;
-    const char *usage = mode->usage && !self->vtk ? mode->usage : "none", *missing = usage;
-    const char *name = self->modes && !self->vtk ? self->name : "", *space = *name ? " " : "";
+    const bool none = self->vtk || self->describe;
+    const size_t found = self->num_arguments, most = none ? 0 : mode->max_arguments;
+    const char *usage = mode->usage && !none ? mode->usage : "none", *missing = usage;
+    const char *name = self->modes && !none ? self->name : "", *space = *name ? " " : "";
 
     if (found > most)
         return ehd_fail(error, EHD_USAGE, "command line: found %zu file%s, expected %s%s%s", found,
                         found == 1 ? "" : "s", name, space, usage);
-    if (self->check || self->vtk || found >= mode->min_arguments) return EHD_OK;
+    if (self->check || none || found >= mode->min_arguments) return EHD_OK;
     for (size_t i = found + (mode->word ? 1 : 0) - (by_option ? 1 : 0); i > 0; i--)
         missing += strcspn(missing, " ") + 1;
     return ehd_fail(error, EHD_USAGE, "command line: found no %.*s, expected %s%s%s",
@@ -586,13 +601,20 @@ static ehd_status check_arguments(const program *self, const program_mode *mode,
     if (self->vtk && (self->check || self->print))
         return ehd_fail(error, EHD_USAGE, "--vtk: found --%s too, expected one of them",
                         self->check ? "check" : "print");
+    if (self->describe && (self->check || self->print || self->vtk || self->output))
+        return ehd_fail(error, EHD_USAGE, "--describe: found --%s too, expected one of them",
+                        self->check   ? "check"
+                        : self->print ? "print"
+                        : self->vtk   ? "vtk"
+                                      : "output");
     if (self->print) return EHD_OK;
     if (self->si)
         return ehd_fail(error, EHD_USAGE, "--si: found without --print, expected with it");
+    const bool none = self->vtk || self->describe;
     ehd_status status = EHD_OK;
-    if (self->modes && !self->check && !self->vtk) status = check_options(self, error);
+    if (self->modes && !self->check && !none) status = check_options(self, error);
     if (!status) status = check_count(self, mode, by_option, error);
-    if (status || self->check) return status;
+    if (status || self->check || self->describe) return status;
     if ((mode->output == OUTPUT_NEEDED || self->vtk) && !self->output)
         return ehd_fail(error, EHD_USAGE, "--output: found nothing, expected -o FILE");
     if (mode->output == OUTPUT_NONE && self->output && !self->vtk)

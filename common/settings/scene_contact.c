@@ -65,16 +65,9 @@ ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *er
     return status ? status : scene_contact_end(contact, given, error);
 }
 
-ehd_status scene_contact_begin(ehd_contact *contact, const scene *given, ehd_error *error) {
-    const bool approach_given = strcmp(given->closure, "approach") == 0;
-
-    *contact = (ehd_contact){0};
-    if (approach_given && strcmp(given->regime, "stationary") == 0)
-        return ehd_fail(error, EHD_DATA,
-                        "closure: found approach in a stationary scene, expected load; a transient "
-                        "scene finds the load of an approach");
-
-    const contact_settings settings = {
+/* Returns the settings of the contact that a scene describes. */
+static contact_settings settings_of(const scene *given) {
+    return (contact_settings){
         .kind = kind_of(given),
         .lubricant = given->lubricant,
         .moes_M = given->moes.M,
@@ -87,10 +80,42 @@ ehd_status scene_contact_begin(ehd_contact *contact, const scene *given, ehd_err
         .modulus = given->physical.modulus,
         .viscosity = given->physical.viscosity,
         .hertz_pressure = given->hertz_pressure,
-        .approach_given = approach_given,
+        .approach_given = strcmp(given->closure, "approach") == 0,
         .approach_length = given->approach_length,
     };
-    ehd_status status = contact_init(contact, &settings, error);
+}
+
+ehd_status scene_contact_derive(ehd_contact *contact, const scene *given, ehd_error *error) {
+    const contact_settings settings = settings_of(given);
+
+    *contact = (ehd_contact){0};
+    if (settings.approach_given && strcmp(given->regime, "stationary") == 0)
+        return ehd_fail(error, EHD_DATA,
+                        "closure: found approach in a stationary scene, expected load; a transient "
+                        "scene finds the load of an approach");
+    return contact_init(contact, &settings, error);
+}
+
+plausibility scene_judge(char text[PLAUSIBLE_TEXT], size_t index, const ehd_contact *contact,
+                         const scene *given) {
+    const contact_settings settings = settings_of(given);
+
+    return plausible_judge(text, index, contact, &settings);
+}
+
+/* Refuses a contact with an impossible quantity, such as a half width above the radius. */
+static ehd_status check_possible(const ehd_contact *contact, const scene *given, ehd_error *error) {
+    char text[PLAUSIBLE_TEXT];
+
+    for (size_t i = 0; i < plausible_count(); i++)
+        if (scene_judge(text, i, contact, given) == IMPOSSIBLE)
+            return ehd_fail(error, EHD_DATA, "%s", text);
+    return EHD_OK;
+}
+
+ehd_status scene_contact_begin(ehd_contact *contact, const scene *given, ehd_error *error) {
+    ehd_status status = scene_contact_derive(contact, given, error);
+    if (!status) status = check_possible(contact, given, error);
     if (status) return status;
     contact->slide_roll = scene_slide_roll(given);
     contact->grid.half = given->grid.half != 0 && contact->kind->dimensions > 1;

@@ -4,11 +4,13 @@
 #define EHD_SCENE_CONTACT_H
 
 #include "common/physics/grid_choice.h"
+#include "common/settings/plausible.h"
 #include "common/settings/scene.h"
 
 /* Initialises the contact of a valid scene with contact_init, and the contact's grid. Grid values
  * that the scene does not give are chosen as the contact needs them. Returns EHD_DATA for
  * - errors of contact_init,
+ * - an impossible quantity, such as a half width above the radius (plausible.h),
  * - a stationary scene that gives the approach,
  * - a given approach that is measured at too short a distance (contact_check_approach),
  * - a grid with too many nodes.
@@ -24,6 +26,13 @@ ehd_status scene_contact(
  * scene_contact_end then does not choose a grid, which saves most of the time. */
 ehd_status scene_contact_begin(ehd_contact *contact, const scene *given, ehd_error *error);
 ehd_status scene_contact_end(ehd_contact *contact, const scene *given, ehd_error *error);
+
+/* Does the first part of scene_contact_begin: contact_init, without the check of quantities. */
+ehd_status scene_contact_derive(ehd_contact *contact, const scene *given, ehd_error *error);
+
+/* Judges one quantity of the contact of a scene (plausible_judge). */
+plausibility scene_judge(char text[PLAUSIBLE_TEXT], size_t index, const ehd_contact *contact,
+                         const scene *given);
 
 /* Checks that the scene has the kind of contact of the model in `path`. Returns EHD_DATA for
  * another kind. Call this function before scene_contact. Otherwise the user would first see errors

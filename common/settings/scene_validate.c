@@ -139,6 +139,14 @@ static ehd_status check_traction(const scene_source *source, ehd_error *error) {
             setting_is_given(row, of))
             return place_fail(error, place_of_key(source, row->key),
                               "%s: found a value, expected %s too", row->key, law->key);
+    // in pure rolling there is no shear stress that depends on a law
+    if (!has_law && isgreater(fabs(scene_slide_roll(of)), 0))
+        return place_fail(
+            error, place_of_key(source, isnan(of->slide_roll) ? "physical.speed_1" : "slide_roll"),
+            "slide_roll: found %g without %s, expected a law: eyring with tau0 (often "
+            "2e6 to 1e7 Pa), limiting with limit (0.04 to 0.12), carreau with G and "
+            "n, or newtonian",
+            scene_slide_roll(of), law->key);
     return EHD_OK;
 }
 

@@ -69,8 +69,9 @@ static const setting contact_rows[] = {
     {"physical.viscosity", REAL(physical.viscosity), NULL, NULL, 1e-6, 1e6, "Pa s",
      "Viscosity at zero pressure and the lubricant's temperature; may be left out where the law has its own "
      "(wlf, roelands, and barus with eta0)", ALWAYS, false},
-    {"slide_roll", REAL(slide_roll), NULL, NULL, -1e6, 1e6, "1",
-     "Slide-roll ratio (u1 - u2)/u_m: results then tell the traction; with physical.speed", ALWAYS, false},
+    {"slide_roll", REAL(slide_roll), NULL, NULL, -2, 2, "1",
+     "Slide-roll ratio (u1 - u2)/u_m: results then contain the traction; with physical.speed. Surfaces that move in "
+     "opposite directions need physical.speed_1 and speed_2", ALWAYS, false},
     {"ellipticity", REAL(ellipticity), NULL, NULL, 0.05, 20, "1",
      "b/a, the half width of the dry contact across the entrainment over that along it; "
      "or physical.radius_across says it", ON_AN_ELLIPSE, false},
@@ -326,7 +327,7 @@ static void make_table(void) {
     add_laws(&law_groups[LAWS_DENSITY], false, "incompressible", "How density depends on pressure");
     add_laws(&law_groups[LAWS_SHEAR], false, NULL,
              "How shear stress depends on viscosity times the rate of shear, for the traction; "
-             "default newtonian");
+             "required if the surfaces slide");
     add_rows(run_rows);
     add_rows(surface_rows);
     for (int i = 0; i < NUM_VARY; i++)

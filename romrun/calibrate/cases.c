@@ -148,7 +148,7 @@ static ehd_status solve_with(bool *trusted, const batch *self, const worker *own
         *trusted = !peak.status;
     }
     // judged after *trusted is set, since other model sizes have the same grid
-    result_judge_grid(&result, &contact->grid);
+    result_judge(&result, &contact->grid);
     const double before = isnan(row->solve_seconds) ? 0 : row->solve_seconds;
     *row = case_row_of(contact);
     row->status = result_stored_status(result.status);

@@ -108,6 +108,9 @@ static ehd_status find_sliding(double *sliding, ehdrom_contact *self, const slid
                         "sliding: found %g, expected %g: with lubricant.shear.in_film a film is of "
                         "one sliding",
                         *sliding, own_sliding);
+    if (*sliding != 0 && !*self->settings.lubricant.shear.law)
+        return ehd_fail(&self->error, EHD_DATA,
+                        "sliding: found %g without lubricant.shear.law, expected a law", *sliding);
     if (!isfinite(*sliding))
         return ehd_fail(&self->error, EHD_DATA,
                         "sliding: found %g and no slide_roll, expected a speed, or slide_roll set",
@@ -141,7 +144,9 @@ static ehd_status slide(ehdrom_contact *self, const slid_state *of, double slidi
         .mean_shear_stress = found.mean_stress * units->pressure,
         .largest_shear_stress = found.largest_stress * units->pressure,
         .indicated_deviation_friction = indicated};
-    return library_give(traction, &own, sizeof own, "traction", &self->error);
+    status = library_give(traction, &own, sizeof own, "traction", &self->error);
+    if (status || !isgreater(fabs(found.friction), possible_friction)) return status;
+    return ehd_fail(&self->error, EHD_UNTRUSTED, "traction: found %s", impossible_friction);
 }
 
 ehdrom_status ehdrom_slide(ehdrom_contact *self, double sliding, ehdrom_traction *traction) {

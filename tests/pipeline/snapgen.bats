@@ -151,7 +151,7 @@ YAML
     [[ $output == "1 points"* ]]
     [[ $stderr == *"3 of 4 points lie outside of the bounds"* ]]
     sed -i 's/\[0, 20\]/[0, 2000]/' where.yml
-    refused 65 "where.yml: point M=1000 L=20: hertz_pressure: found .* limit" \
+    refused 65 "where.yml: point M=1000 L=20: Hertz pressure: found .* limit" \
         snapgen where.yml -o t.h5
     sed -i 's/\[0, 2000\]/[0, 0.1]/' where.yml
     refused 65 "where.yml: where: found all 4 points outside" snapgen where.yml -o t.h5

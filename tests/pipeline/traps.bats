@@ -22,7 +22,7 @@ C
     model_in_time 8
     si_scene
     printf '  shear: {law: eyring, tau0: 5e6}\nslide_roll: 0.1\n' >>si.yml
-    { cat point.yml && echo "slide_roll: 0.1"; } >sliding.yml
+    { cat point.yml && printf '%s\n' 'slide_roll: 0.1' 'lubricant.shear: {law: eyring, tau0: 5e6}'; } >sliding.yml
 }
 
 setup() {
@@ -96,9 +96,9 @@ slides() {
     for shear in 'limiting, limit: 0.05' 'carreau, G: 5e6, n: 0.5' newtonian; do
         slides 'contact: line' 300e3 "$oil}" "  shear: {law: $shear}"
     done
-    slides 'contact: line' 300e3 '  thermal_conductivity: 0.14' \
+    slides 'contact: line' 300e3 '  thermal_conductivity: 0.14' '  shear: {law: eyring, tau0: 5e6}' \
         "$oil, reference_temperature: 40, temperature: 60, temperature_coefficient: 0.03}"
-    slides 'contact: line' 300e3 '  viscosity: {law: wlf, preset: no1}'
+    slides 'contact: line' 300e3 '  viscosity: {law: wlf, preset: no1}' '  shear: {law: eyring, tau0: 5e6}'
 }
 
 # bats test_tags=slow

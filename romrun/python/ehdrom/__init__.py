@@ -105,7 +105,7 @@ class NotConverged(Error):
 
 
 class Untrusted(Error):
-    """Raised by Result.check: there is a solution, but also a reason not to rely on this solution."""
+    """Raised by Result.check and Contact.slide: there is a solution, but also a reason not to rely on it."""
 
 
 # Members that are Boolean: 1 or 0 in C.
@@ -451,17 +451,21 @@ class Contact(_Handle):
         The traction has friction_coefficient, friction_force and rolling_resistance (N/m or N), rolling_moment (N or
         N m), power_loss (W/m or W), mean_shear_stress and largest_shear_stress (Pa). indicated_deviation_friction is
         the relative error estimate of the friction. It is nan for a step, and for a model without a check of the
-        friction."""
+        friction. Raises Untrusted if the friction exceeds the load, as with a Newtonian fluid at high pressure."""
+        return self._slid(_lib.ehdrom_slide, sliding)
+
+    def _slid(self, call, sliding):
         struct = _begun("ehdrom_traction")
-        self._solved(_lib.ehdrom_slide(self._handle, numpy.nan if sliding is None else sliding, struct))
+        status = call(self._handle, numpy.nan if sliding is None else sliding, struct)
+        self._solved(status)
+        if status == _lib.EHDROM_UNTRUSTED:
+            raise Untrusted(status, self._error())
         return {name: getattr(struct, name) for name in _names_of("ehdrom_traction")}
 
     @_alone
     def slide_step(self, sliding: float | None = None) -> dict[str, float]:
         """Like slide, for the last step, which need not be accepted."""
-        struct = _begun("ehdrom_traction")
-        self._solved(_lib.ehdrom_slide_step(self._handle, numpy.nan if sliding is None else sliding, struct))
-        return {name: getattr(struct, name) for name in _names_of("ehdrom_traction")}
+        return self._slid(_lib.ehdrom_slide_step, sliding)
 
     @_alone
     def accept(self) -> None:

@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/settings/plausible.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+// ---- quantities
+
+static double viscosity_of(const ehd_contact *contact) {
+    return isnan(contact->viscosity) ? contact->lubricant.eta0 : contact->viscosity;
+}
+
+static double alpha_of(const ehd_contact *contact) {
+    return contact->lubricant.alpha;
+}
+
+/* Returns a ratio that exceeds 1/3 if the contact is not small compared with the bodies. */
+static double width_over_radius(const ehd_contact *contact) {
+    const contact_shape *shape = &contact->grid.shape;
+    const double along = contact->half_width / contact->radius;
+
+    // across the entrainment: b/R_y, with b = k a and R_y = R k^2/gap_across
+    return along * fmax(1, shape->gap_across / shape->ellipticity);
+}
+
+static double pressure_of(const ehd_contact *contact) {
+    return contact->hertz_pressure;
+}
+
+static double moes_M_of(const ehd_contact *contact) {
+    return contact->moes_M;
+}
+
+static double moes_L_of(const ehd_contact *contact) {
+    return contact->moes_L;
+}
+
+/* Returns the central film in m by a published formula. */
+static double film_of(const ehd_contact *contact) {
+    return contact_film_scale(contact) *
+           contact->kind->central_film(&contact->grid.shape, contact->moes_M, contact->moes_L);
+}
+
+/* Returns the film over the larger half width. */
+static double film_over_width(const ehd_contact *contact) {
+    return film_of(contact) / (contact->half_width * fmax(1, contact->grid.shape.ellipticity));
+}
+
+/* Hertz pressure above which a pressure coefficient below its usual range is implausible. At lower
+ * pressures this coefficient hardly changes the viscosity, and the lubricant may be water (4.5e-10
+ * 1/Pa) (test_plausible.c, water_on_rubber_is_plausible). */
+static const double HARD_CONTACT = 2e8;
+
+/* A quantity with its usual range, and the range beyond which a scene is refused. NaN: no limit. */
+static const struct quantity {
+    const char *name, *unit;
+    double scale;                                // of the unit, in SI units
+    double (*value)(const ehd_contact *contact); // NaN: not known
+    double least, most, lowest, highest;
+} quantities[] = {{"viscosity at zero pressure", " Pa s", 1, viscosity_of, 1e-4, 100, 1e-5, 1000},
+                  {"pressure coefficient alpha", " 1/Pa", 1, alpha_of, 5e-9, 5e-8, 5e-10, 5e-7},
+                  {"half width over radius", "", 1, width_over_radius, 0, 1. / 3, 0, 1},
+                  {"Hertz pressure", " GPa", 1e9, pressure_of, 0, 5e9, 0, 2e10},
+                  {"M", "", 1, moes_M_of, MIN_MOES_M, MAX_MOES_M, MIN_MOES_M, MAX_MOES_M},
+                  {"L", "", 1, moes_L_of, 0, MAX_MOES_L, 0, MAX_MOES_L},
+                  {"film over half width", "", 1, film_over_width, 0, 0.1, 0, 1},
+                  {"film", " nm", 1e-9, film_of, 1e-9, INFINITY, 1e-10, INFINITY}};
+
+enum { NUM_QUANTITIES = sizeof quantities / sizeof *quantities };
+
+size_t plausible_count(void) {
+    return NUM_QUANTITIES;
+}
+
+/* Returns `limit`, or less: the Hertz pressure may not exceed the limit of the viscosity law. In a
+ * scene of M and L this is its only limit, because the results are dimensionless. */
+static double most_of(const struct quantity *of, double limit, const ehd_contact *contact) {
+    if (of->value != pressure_of) return limit;
+    return fmin(isnan(contact->load) ? INFINITY : limit, contact->lubricant.pressure_limit);
+}
+
+static plausibility judge(const struct quantity *of, const ehd_contact *contact) {
+    const double value = of->value(contact);
+    const bool soft = of->value == alpha_of && !isgreater(contact->hertz_pressure, HARD_CONTACT);
+
+    if (isnan(value) || (soft && value < of->least)) return PLAUSIBLE;
+    if (value < of->lowest || value > most_of(of, of->highest, contact)) return IMPOSSIBLE;
+    if (value < of->least || value > most_of(of, of->most, contact)) return IMPLAUSIBLE;
+    return PLAUSIBLE;
+}
+
+// ---- the setting that is probably in another unit
+
+/* A setting with a usual value in SI units, and a factor by which it may be wrong. */
+typedef struct suspect {
+    const char *key;
+    size_t member;                  // of contact_settings, unless `law_key` is given
+    const char *law_key;            // key of the viscosity law, such as "alpha"
+    double usual_line, usual_point; // usual values of a line contact, and of the other kinds
+    const char *unit; // unit in which the value may have been typed; NULL: no such unit
+    double factor;    // from this unit to the SI unit
+} suspect;
+
+#define OF_CONTACT(key) "physical." #key, offsetof(contact_settings, key), NULL
+#define OF_LAW(key)     "lubricant.viscosity." #key, 0, #key
+
+static const suspect suspects[] = {{OF_CONTACT(load), 1e5, NAN, "N/mm", 1e3},
+                                   {OF_CONTACT(load), 1e5, NAN, NULL, 1e-3},
+                                   {OF_CONTACT(load), NAN, 1e2, "kN", 1e3},
+                                   {OF_CONTACT(load), NAN, 1e2, NULL, 1e-3},
+                                   {OF_CONTACT(radius), 1e-2, 1e-2, "mm", 1e-3},
+                                   {OF_CONTACT(radius), 1e-2, 1e-2, "um", 1e-6},
+                                   {OF_CONTACT(radius), 1e-2, 1e-2, NULL, 1e3},
+                                   {OF_CONTACT(radius_across), NAN, 1e-2, "mm", 1e-3},
+                                   {OF_CONTACT(radius_across), NAN, 1e-2, NULL, 1e3},
+                                   {OF_CONTACT(speed), 1, 1, "mm/s", 1e-3},
+                                   {OF_CONTACT(speed), 1, 1, NULL, 1e3},
+                                   {OF_CONTACT(modulus), 2e11, 2e11, "kPa", 1e3},
+                                   {OF_CONTACT(modulus), 2e11, 2e11, "MPa", 1e6},
+                                   {OF_CONTACT(modulus), 2e11, 2e11, "GPa", 1e9},
+                                   {OF_CONTACT(modulus), 2e11, 2e11, NULL, 1e-3},
+                                   {OF_CONTACT(viscosity), 0.05, 0.05, "mPa s", 1e-3},
+                                   {OF_CONTACT(viscosity), 0.05, 0.05, NULL, 1e3},
+                                   {OF_LAW(eta0), 0.05, 0.05, "mPa s", 1e-3},
+                                   {OF_LAW(eta0), 0.05, 0.05, NULL, 1e3},
+                                   {OF_LAW(alpha), 2e-8, 2e-8, NULL, 1e-3},
+                                   {OF_LAW(alpha), 2e-8, 2e-8, NULL, 1e3}};
+
+/* Returns the value that a suspect names in `given`, or NULL. The viscosity of the law counts, if
+ * there is one, in place of physical.viscosity, which only repeats it. */
+static double *value_of(contact_settings *given, const suspect *of) {
+    const lubricant_law *law = laws_find(viscosity_laws, given->lubricant.viscosity.law);
+    law_value *const values = given->lubricant.viscosity.values;
+    const bool has_own = law && law_key(law, "eta0");
+
+    if (has_own && !isnan(values[laws_slot(viscosity_laws, "eta0")].number)) given->viscosity = NAN;
+    if (!of->law_key) return (double *)((char *)given + of->member);
+    if (!law || !law_key(law, of->law_key)) return NULL;
+    return &values[laws_slot(viscosity_laws, of->law_key)].number;
+}
+
+/* Counts the quantities that are not plausible. */
+static size_t count_implausible(const contact_settings *given) {
+    ehd_contact contact;
+    size_t count = 0;
+
+    if (contact_init(&contact, given, NULL)) return NUM_QUANTITIES;
+    for (size_t i = 0; i < NUM_QUANTITIES; i++)
+        count += judge(&quantities[i], &contact) != PLAUSIBLE;
+    return count;
+}
+
+/* Writes a question about the setting that is probably in another unit. This is the setting whose
+ * change of unit leaves the fewest implausible quantities. Of several such settings it is the one
+ * that comes closest to its usual value. Writes "" if no change helps. */
+static void ask(char *text, size_t size, const contact_settings *given) {
+    const bool line = given->kind->dimensions == 1;
+    size_t fewest = count_implausible(given);
+    double nearest = 0; // decades by which the value comes closer to its usual value
+
+    *text = '\0';
+    for (size_t i = 0; i < sizeof suspects / sizeof *suspects; i++) {
+        const suspect *of = &suspects[i];
+        contact_settings changed = *given;
+        double *value = value_of(&changed, of);
+        const double usual = line ? of->usual_line : of->usual_point;
+        if (!value || !(*value > 0) || isnan(usual)) continue;
+        const double typed = *value;
+        *value *= of->factor;
+        const double nearer = fabs(log10(typed / usual)) - fabs(log10(*value / usual));
+        const size_t left = count_implausible(&changed);
+        if (left > fewest || (left == fewest && nearer <= nearest) || nearer <= 0) continue;
+        fewest = left;
+        nearest = nearer;
+        if (of->unit)
+            snprintf(text, size, ": is %s = %g in %s?", of->key, typed, of->unit);
+        else
+            snprintf(text, size, ": is %s = %g %g times too %s?", of->key, typed,
+                     fmax(of->factor, 1 / of->factor), of->factor > 1 ? "small" : "large");
+    }
+}
+
+plausibility plausible_judge(char text[PLAUSIBLE_TEXT], size_t index, const ehd_contact *contact,
+                             const contact_settings *given) {
+    const struct quantity *of = &quantities[index];
+    const plausibility found = judge(of, contact);
+    const double value = of->value(contact);
+    char limit[80], width[48] = "", question[128];
+
+    if (found == PLAUSIBLE) return found;
+    const bool refused = found == IMPOSSIBLE;
+    const double most = most_of(of, refused ? of->highest : of->most, contact);
+    if (value > most)
+        snprintf(limit, sizeof limit, "at most %.3g%s%s%s", most / of->scale, of->unit,
+                 most == contact->lubricant.pressure_limit ? ", the limit of the law " : "",
+                 most == contact->lubricant.pressure_limit ? contact->lubricant.viscosity->name
+                                                           : "");
+    else
+        snprintf(limit, sizeof limit, "at least %.3g%s",
+                 (refused ? of->lowest : of->least) / of->scale, of->unit);
+    if (!isnan(contact->half_width))
+        snprintf(width, sizeof width, "half width %.3g mm, ", contact->half_width * 1e3);
+    ask(question, sizeof question, given);
+    snprintf(text, PLAUSIBLE_TEXT,
+             "%s: found %.3g%s, expected %s (%sp_H %.3g GPa, M = %.3g, L = "
+             "%.3g)%s",
+             of->name, value / of->scale, of->unit, limit, width, contact->hertz_pressure * 1e-9,
+             contact->moes_M, contact->moes_L, question);
+    return found;
+}

@@ -1,0 +1,79 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Tests what users see of values in wrong units and of friction that no lubricant carries, in all programs.
+
+load common
+
+setup() {
+    cd "$BATS_TEST_TMPDIR" || return
+    cat >gear.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 500e3, radius: 0.012, speed: 4, modulus: 226e9}
+lubricant:
+  viscosity: {law: roelands, eta0: 0.05, alpha: 2.0e-8}
+  density: {law: dowson-higginson}
+YAML
+}
+
+@test "an impossible quantity is refused before work, with the setting that is in another unit" {
+    printf 'groups:\n  - scene: gear.yml\n    vary: {physical.load: [500, 800]}\n' >plan.yml
+    refused 65 'gear.yml: M: found 0.0152, expected at least 0.1 .*: is physical.load = 500 in N/mm\?$' \
+        fullrun gear.yml --set physical.load=500
+    refused 65 'physical.modulus = 226000 in MPa\?$' fullrun gear.yml --set physical.modulus=226000
+    refused 65 'Hertz pressure: found 38.7 GPa' fullrun gear.yml --set physical.load=500e6
+    refused 65 'plan.yml: point M=0.01.*: is physical.load = 500 in N/mm\?$' snapgen plan.yml -o s.h5
+    [ ! -e s.h5 ]
+}
+
+@test "an implausible quantity is solved with a warning, which --quiet keeps" {
+    run --separate-stderr fullrun gear.yml --set physical.speed=4000 --quiet
+    [ "$status" = 0 ]
+    [[ "$stderr" == "fullrun: gear.yml: film over half width: found "*": is physical.speed = 4000 in mm/s?" ]]
+    printf 'groups:\n  - scene: gear.yml\n    vary: {physical.speed: [4, 4000]}\n' >plan.yml
+    run --separate-stderr snapgen plan.yml -o s.h5 --quiet
+    [[ "$stderr" == "snapgen: plan.yml: point M=0.48"*": film over half width: found "* ]]
+    run --separate-stderr fullrun gear.yml
+    [ "$status" = 0 ]
+    [ -z "$stderr" ]
+}
+
+@test "--describe prints what follows from a scene, and what is wrong with it" {
+    run -0 --separate-stderr fullrun --describe gear.yml
+    [[ "$output" == *"Hertz pressure          1.22422 GPa"* ]]
+    [[ "$output" == *"half width a            0.260011 mm"* ]]
+    [ -z "$stderr" ]
+    run -0 --separate-stderr romrun --describe gear.yml --set physical.speed=4000
+    [[ "$stderr" == *"physical.speed = 4000 in mm/s?" ]]
+    run -65 --separate-stderr romrun --describe gear.yml --set physical.load=500
+    [[ "$output" == *"M                       0.0151808"* ]]
+    [[ "$stderr" == *"physical.load = 500 in N/mm?" ]]
+    refused 64 "--describe: found --output too" fullrun --describe gear.yml -o r.h5
+    refused 64 "command line: found 1 file, expected none" fullrun --describe gear.yml gear.yml
+}
+
+@test "sliding needs a law of shear stress, and a ratio" {
+    refused 65 "slide_roll: found 0.05 without lubricant.shear.law, expected a law: eyring" fullrun gear.yml --set slide_roll=0.05
+    refused 65 "slide_roll: found 50, expected a number from -2 to 2" fullrun gear.yml --set slide_roll=50
+    refused 65 "slide_roll: found 0.4 without lubricant.shear.law" fullrun gear.yml --set physical.speed= \
+        --set physical.speed_1=1.2 --set physical.speed_2=0.8
+    run -0 fullrun gear.yml --set slide_roll=0
+    [[ "$output" == *"rolling resistance"* ]]
+}
+
+@test "friction above 0.2 is warned of, friction above the load is not trusted" {
+    run --separate-stderr fullrun gear.yml --set slide_roll=0.0015 --set lubricant.shear.law=newtonian
+    [ "$status" = 0 ]
+    [[ "$stderr" == *"friction coefficient: found 0.285, expected at most 0.2"* ]]
+    run --separate-stderr fullrun gear.yml --set slide_roll=0.05 --set lubricant.shear.law=newtonian -o r.h5
+    [ "$status" = 4 ]
+    [[ "$stderr" == *"found a friction above the load"* ]]
+    [ "$(fullrun --print r.h5 status | tail -n 1)" = 4 ]
+    run -0 fullrun gear.yml --set slide_roll=0.05 --set lubricant.shear.law=newtonian --allow-untrusted
+    # in time
+    sed 's/stationary/transient/' gear.yml >time.yml
+    echo 'transient: {end_time: 0.1, fixed_step: 0.05}' >>time.yml
+    run --separate-stderr fullrun time.yml --set slide_roll=0.05 --set lubricant.shear.law=newtonian
+    [ "$status" = 4 ]
+    [[ "$stderr" == *"found a friction above the load"*", first at T = 0"* ]]
+}
