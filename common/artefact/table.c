@@ -117,6 +117,8 @@ static ehd_status read_hdf5(const char *path, table_column *columns, size_t num_
     *count = 0;
     for (size_t c = 0; c < num_columns; c++)
         columns[c].values = NULL;
+    for (size_t c = 0; c < num_columns; c++)
+        *columns[c].unit = '\0';
     hdf5_start();
     ehd_status status = open_table(&file, path, error);
     for (size_t c = 0; c < num_columns && !status; c++) {

@@ -501,6 +501,12 @@ static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *er
         (task->models ? histories_init_forward : histories_init)(histories, task->given, error);
 
     if (status) return status;
+    const char *table = histories_without_unit(*histories);
+    if (table)
+        program_note(task->caller,
+                     "%s: found a column without a unit: times are taken as T, values as factors "
+                     "on the reference (transient.time.unit, transient.load.unit)",
+                     table);
     self->march =
         (march){.settings = march_settings_of(task->given, *histories, task->given->approach),
                 .histories = *histories,

@@ -61,22 +61,30 @@ ehd_status case_list_open(case_list **list, const char *scene_path, const char *
     return status;
 }
 
-/* Copies the fields of the row that was read last into one block of memory. */
-static ehd_status keep_texts(case_texts *row, const case_list *self, ehd_error *error) {
-    const csv_file *table = &self->table;
-    size_t bytes = table->width * sizeof *row->texts;
+/* Returns the text of a field. If its column has a unit, this is the value in SI units, or the value
+ * with its unit if the setting does not accept it. The caller frees the text. NULL: no memory. */
+static char *text_of(const case_list *self, size_t column) {
+    const char *field = self->table.fields[column], *unit = self->table.units[column];
+    const setting *row = self->rows[column];
+    scene any = self->base.values;
+    char number[NUMBER_TEXT], *text;
 
-    for (size_t i = 0; i < table->width; i++)
-        bytes += strlen(table->fields[i]) + 1;
-    row->line = table->where.line;
-    row->texts = malloc(bytes);
-    if (!row->texts) return ehd_no_memory(error, self->table_path);
-    char *to = (char *)(row->texts + table->width);
-    for (size_t i = 0; i < table->width; i++) {
-        row->texts[i] = to;
-        to = stpcpy(to, table->fields[i]) + 1;
-    }
-    return EHD_OK;
+    if (!unit || !row) return strdup(field);
+    if (asprintf(&text, "%s %s", field, unit) < 0) return NULL;
+    if (row->type != SETTING_REAL || setting_assign(&any, row, text, (place){0}, NULL)) return text;
+    free(text);
+    number_show(number, setting_real(row, &any));
+    return strdup(number);
+}
+
+/* Copies the fields of the row that was read last. */
+static ehd_status keep_texts(case_texts *row, const case_list *self, ehd_error *error) {
+    row->line = self->table.where.line;
+    row->num_texts = self->table.width;
+    row->texts = calloc(row->num_texts, sizeof *row->texts);
+    for (size_t i = 0; i < row->num_texts && row->texts; i++)
+        if (!(row->texts[i] = text_of(self, i))) return ehd_no_memory(error, self->table_path);
+    return row->texts ? EHD_OK : ehd_no_memory(error, self->table_path);
 }
 
 ehd_status case_list_next(case_texts *row, bool *found, case_list *self, ehd_error *error) {
@@ -91,6 +99,8 @@ ehd_status case_list_next(case_texts *row, bool *found, case_list *self, ehd_err
 }
 
 void case_texts_free(case_texts *row) {
+    for (size_t i = 0; i < row->num_texts && row->texts; i++)
+        free(row->texts[i]);
     free(row->texts);
     *row = (case_texts){0};
 }

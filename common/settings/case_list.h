@@ -14,7 +14,8 @@ typedef struct case_list case_list;
 /* The fields of one row of the table. */
 typedef struct case_texts {
     size_t line;  // line number in the table
-    char **texts; // [case_list_num_columns]
+    char **texts; // [num_texts], one for each column; in SI units if the column has a unit
+    size_t num_texts;
 } case_texts;
 
 /* Opens a table of cases. The scene may lack settings that the table gives. The table is a CSV file

@@ -193,6 +193,19 @@ static char separator_of(const char *header) {
     return ',';
 }
 
+/* Cuts off the unit in brackets or parentheses at the end of a name. Returns the unit, or NULL. */
+static char *take_unit(char *name) {
+    const size_t length = strlen(name);
+    const char last = length > 0 ? name[length - 1] : '\0';
+    char *open = last == ']' ? strrchr(name, '[') : last == ')' ? strrchr(name, '(') : NULL;
+
+    if (!open || open == name || open + 2 > name + length - 1) return NULL;
+    name[length - 1] = *open = '\0';
+    for (char *end = open; end > name && strchr(" \t", end[-1]);)
+        *--end = '\0';
+    return open + 1;
+}
+
 static ehd_status read_header(csv_file *self, ehd_error *error) {
     char *record = NULL;
     const ehd_status status = next_record(&record, self, ",;\t", error);
@@ -202,10 +215,13 @@ static ehd_status read_header(csv_file *self, ehd_error *error) {
     self->separator = separator_of(record);
     const size_t room = count_char(record, self->separator) + 1;
     self->names = calloc(room, sizeof *self->names);
+    self->units = calloc(room, sizeof *self->units);
     self->fields = malloc(room * sizeof *self->fields);
-    if (!self->names || !self->fields) return ehd_no_memory(error, self->path);
-    for (char *field; (field = next_field(&record, self->separator));)
+    if (!self->names || !self->units || !self->fields) return ehd_no_memory(error, self->path);
+    for (char *field; (field = next_field(&record, self->separator));) {
+        self->units[self->width] = take_unit(field);
         self->names[self->width++] = field;
+    }
     if (self->stream) { // the next rows must not overwrite the names
         self->header = self->text;
         self->text = NULL;
@@ -250,6 +266,7 @@ void csv_close(csv_file *self) {
     free(self->line);
     free(self->header);
     free(self->names);
+    free(self->units);
     free(self->fields);
     *self = (csv_file){0};
 }
@@ -276,6 +293,18 @@ size_t csv_count_rows(const csv_file *self) {
     return count_char(self->text + self->at, '\n') + 1;
 }
 
+/* Replaces a decimal comma by a point, if the text is a number and the columns are not separated by
+ * commas. */
+static char *with_point(const csv_file *self, char *field) {
+    char *comma = self->separator == ',' ? NULL : strchr(field, ',');
+    double number;
+
+    if (!comma) return field;
+    *comma = '.';
+    if (!number_read(&number, field)) *comma = ',';
+    return field;
+}
+
 ehd_status csv_next_row(bool *found, csv_file *self, ehd_error *error) {
     const char separators[] = {self->separator, '\0'};
     char *record = NULL;
@@ -284,7 +313,7 @@ ehd_status csv_next_row(bool *found, csv_file *self, ehd_error *error) {
     *found = record != NULL;
     if (!record) return status;
     for (char *field; (field = next_field(&record, self->separator)); count++)
-        if (count < self->width) self->fields[count] = field;
+        if (count < self->width) self->fields[count] = with_point(self, field);
     if (count == self->width) return EHD_OK;
     return place_fail(error, self->where, "found %zu column%s, expected %zu as in the header",
                       count, count == 1 ? "" : "s", self->width);
@@ -372,6 +401,10 @@ ehd_status csv_read_table(const char *path, table_column *columns, size_t num_co
     for (size_t c = 0; c < num_columns && !status; c++)
         status = find_column(&places[c], &file, &columns[c], error);
     if (!status) status = read_rows(columns, num_columns, count, &file, places, error);
+    for (size_t c = 0; c < num_columns && !status; c++) {
+        const char *unit = places[c] == NO_COLUMN ? NULL : file.units[places[c]];
+        snprintf(columns[c].unit, UNIT_TEXT, "%s", unit ? unit : "");
+    }
     for (size_t c = 0; c < num_columns && status; c++) {
         free(columns[c].values);
         columns[c].values = NULL;

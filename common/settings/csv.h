@@ -2,7 +2,8 @@
 /* Reads tables of comma-separated values: a header with the names of the columns, then one row per
  * line. Commas separate the columns; semicolons or tabs do so if the header has no comma. A name or
  * value may stand in double quotes (RFC 4180) and may then span several lines. Spaces around fields
- * are dropped; blank lines and lines that start with # are skipped. */
+ * are dropped; blank lines and lines that start with # are skipped. Numbers may have a decimal comma
+ * if another character separates the columns. */
 #ifndef EHD_CSV_H
 #define EHD_CSV_H
 
@@ -30,6 +31,9 @@ typedef struct csv_file {
     size_t width;   // number of columns
     // [width] pointers into `header` or, if it is NULL, into `text`; "" where a column has no name
     char **names;
+    // [width] unit in brackets behind a name, as "N/mm" of "Fn [N/mm]", which `names` has without
+    // the brackets; NULL: no unit
+    char **units;
     // [width] values of the row read last, pointers into `text`. They are valid until csv_close; in
     // a file that is read row by row only until the next row is read
     char **fields;
@@ -63,6 +67,8 @@ ehd_status csv_next_row(
     // output:
     ehd_error *error);
 
+enum { UNIT_TEXT = 32 }; // bytes, with the closing zero
+
 /* A column to read from a table of numbers, CSV or HDF5 (artefact/table.h). */
 typedef struct table_column {
     // possible names, NULL at the end; the first name that the table has is read
@@ -70,6 +76,7 @@ typedef struct table_column {
     bool optional;
     bool alone;     // in CSV: the table is refused if it has several of these names
     double *values; // [count], free with free(); NULL if the column is missing, and after a failure
+    char unit[UNIT_TEXT]; // unit in the header of the column; "": none
 } table_column;
 
 enum { NAMES_TEXT = 320 }; // bytes, with the closing zero

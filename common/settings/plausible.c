@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/settings/plausible.h"
 
+#include "common/settings/settings_table.h"
+#include "common/settings/unit.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -92,40 +95,31 @@ static plausibility judge(const struct quantity *of, const ehd_contact *contact)
 
 // ---- the setting that is probably in another unit
 
-/* A setting with a usual value in SI units, and a factor by which it may be wrong. */
+/* A setting that may be in another unit, with its usual values. */
 typedef struct suspect {
     const char *key;
     size_t member;                  // of contact_settings, unless `law_key` is given
     const char *law_key;            // key of the viscosity law, such as "alpha"
-    double usual_line, usual_point; // usual values of a line contact, and of the other kinds
-    const char *unit; // unit in which the value may have been typed; NULL: no such unit
-    double factor;    // from this unit to the SI unit
+    double usual_line, usual_point; // of a line contact, and of the other kinds, in SI units
 } suspect;
 
 #define OF_CONTACT(key) "physical." #key, offsetof(contact_settings, key), NULL
 #define OF_LAW(key)     "lubricant.viscosity." #key, 0, #key
 
-static const suspect suspects[] = {{OF_CONTACT(load), 1e5, NAN, "N/mm", 1e3},
-                                   {OF_CONTACT(load), 1e5, NAN, NULL, 1e-3},
-                                   {OF_CONTACT(load), NAN, 1e2, "kN", 1e3},
-                                   {OF_CONTACT(load), NAN, 1e2, NULL, 1e-3},
-                                   {OF_CONTACT(radius), 1e-2, 1e-2, "mm", 1e-3},
-                                   {OF_CONTACT(radius), 1e-2, 1e-2, "um", 1e-6},
-                                   {OF_CONTACT(radius), 1e-2, 1e-2, NULL, 1e3},
-                                   {OF_CONTACT(radius_across), NAN, 1e-2, "mm", 1e-3},
-                                   {OF_CONTACT(radius_across), NAN, 1e-2, NULL, 1e3},
-                                   {OF_CONTACT(speed), 1, 1, "mm/s", 1e-3},
-                                   {OF_CONTACT(speed), 1, 1, NULL, 1e3},
-                                   {OF_CONTACT(modulus), 2e11, 2e11, "kPa", 1e3},
-                                   {OF_CONTACT(modulus), 2e11, 2e11, "MPa", 1e6},
-                                   {OF_CONTACT(modulus), 2e11, 2e11, "GPa", 1e9},
-                                   {OF_CONTACT(modulus), 2e11, 2e11, NULL, 1e-3},
-                                   {OF_CONTACT(viscosity), 0.05, 0.05, "mPa s", 1e-3},
-                                   {OF_CONTACT(viscosity), 0.05, 0.05, NULL, 1e3},
-                                   {OF_LAW(eta0), 0.05, 0.05, "mPa s", 1e-3},
-                                   {OF_LAW(eta0), 0.05, 0.05, NULL, 1e3},
-                                   {OF_LAW(alpha), 2e-8, 2e-8, NULL, 1e-3},
-                                   {OF_LAW(alpha), 2e-8, 2e-8, NULL, 1e3}};
+static const suspect suspects[] = {{OF_CONTACT(load), 1e5, 1e2},
+                                   {OF_CONTACT(radius), 1e-2, 1e-2},
+                                   {OF_CONTACT(radius_across), NAN, 1e-2},
+                                   {OF_CONTACT(speed), 1, 1},
+                                   {OF_CONTACT(modulus), 2e11, 2e11},
+                                   {OF_CONTACT(viscosity), 0.05, 0.05},
+                                   {OF_LAW(eta0), 0.05, 0.05},
+                                   {OF_LAW(alpha), 2e-8, 2e-8}};
+
+enum { NUM_SUSPECTS = sizeof suspects / sizeof *suspects };
+
+// factors by which a value may be wrong; a factor of a million or more only if a unit has it
+static const double factors[] = {1e3, 1e-3, 1e6, 1e-6, 1e9, 1e-9};
+enum { NUM_FACTORS = sizeof factors / sizeof *factors, NUM_WITHOUT_UNIT = 2 };
 
 /* Returns the value that a suspect names in `given`, or NULL. The viscosity of the law counts, if
  * there is one, in place of physical.viscosity, which only repeats it. */
@@ -151,6 +145,16 @@ static size_t count_implausible(const contact_settings *given) {
     return count;
 }
 
+/* Writes "is KEY = VALUE in UNIT?", or a question about a factor without a unit. */
+static void write_question(char *text, size_t size, const suspect *of, double typed, double factor,
+                           const char *unit) {
+    if (unit)
+        snprintf(text, size, ": is %s = %g in %s?", of->key, typed, unit);
+    else
+        snprintf(text, size, ": is %s = %g %g times too %s?", of->key, typed,
+                 fmax(factor, 1 / factor), factor > 1 ? "small" : "large");
+}
+
 /* Writes a question about the setting that is probably in another unit. This is the setting whose
  * change of unit leaves the fewest implausible quantities. Of several such settings it is the one
  * that comes closest to its usual value. Writes "" if no change helps. */
@@ -160,24 +164,25 @@ static void ask(char *text, size_t size, const contact_settings *given) {
     double nearest = 0; // decades by which the value comes closer to its usual value
 
     *text = '\0';
-    for (size_t i = 0; i < sizeof suspects / sizeof *suspects; i++) {
-        const suspect *of = &suspects[i];
+    for (size_t i = 0; i < NUM_SUSPECTS * NUM_FACTORS; i++) {
+        const suspect *of = &suspects[i / NUM_FACTORS];
+        const double factor = factors[i % NUM_FACTORS];
+        const double usual = line ? of->usual_line : of->usual_point;
         contact_settings changed = *given;
         double *value = value_of(&changed, of);
-        const double usual = line ? of->usual_line : of->usual_point;
-        if (!value || !(*value > 0) || isnan(usual)) continue;
+        const char *si = setting_find(of->key)->unit;
+        if (strchr(si, '|')) si = line ? "N/m" : "N";
+        const char *unit = unit_named(si, factor);
+        const bool known = unit || i % NUM_FACTORS < NUM_WITHOUT_UNIT;
+        if (!value || !(*value > 0) || isnan(usual) || !known) continue;
         const double typed = *value;
-        *value *= of->factor;
+        *value *= factor;
         const double nearer = fabs(log10(typed / usual)) - fabs(log10(*value / usual));
         const size_t left = count_implausible(&changed);
         if (left > fewest || (left == fewest && nearer <= nearest) || nearer <= 0) continue;
         fewest = left;
         nearest = nearer;
-        if (of->unit)
-            snprintf(text, size, ": is %s = %g in %s?", of->key, typed, of->unit);
-        else
-            snprintf(text, size, ": is %s = %g %g times too %s?", of->key, typed,
-                     fmax(of->factor, 1 / of->factor), of->factor > 1 ? "small" : "large");
+        write_question(text, size, of, typed, factor, unit);
     }
 }
 

@@ -2,6 +2,7 @@
 #include "common/settings/scene.h"
 
 #include "common/program/text.h"
+#include "common/settings/scene_contact.h"
 #include "common/settings/scene_source.h"
 #include <math.h>
 #include <stdio.h>
@@ -211,9 +212,21 @@ bool source_is_overridden(const scene_source *source, const setting *row) {
     return source->places[setting_index(row)].file == override_name;
 }
 
+/* Converts the times that were given in seconds. */
+static ehd_status take_seconds(scene_source *source, ehd_error *error) {
+    ehd_contact contact;
+    ehd_error cause = {""};
+    ehd_status status = scene_contact_derive(&contact, &source->values, &cause);
+
+    if (!status)
+        status = setting_take_seconds(&source->values, contact_time_scale(&contact), &cause);
+    return status ? place_fail(error, (place){source->file, 0}, "%s", cause.text) : EHD_OK;
+}
+
 ehd_status source_finish(scene_source *source, ehd_error *error) {
     scene_complete(&source->values);
-    return source_validate(source, error);
+    const ehd_status status = source_validate(source, error);
+    return status || !source->values.transient.in_seconds ? status : take_seconds(source, error);
 }
 
 // ---- reading and writing

@@ -29,6 +29,7 @@ typedef struct history_settings {
     double at;             // T at which a step occurs
     char file[256];        // relative to the working folder
     char column[64];       // column in the file
+    char unit[32];         // unit of the column; "": the unit in its header, else factor
     char interpolation[8]; // spline, linear
 } history_settings;
 
@@ -38,6 +39,7 @@ typedef struct history_settings {
  * may be missing. */
 typedef struct physical_settings {
     double load;          // N/m of a line contact, N of a point contact
+    char load_unit[8];    // unit "N/m" or "N" in which the load was given; "": without a unit
     double radius;        // m
     double radius_across; // m, of an ellipse; NaN: follows from the ellipticity
     double speed;         // m/s, mean of the two surfaces
@@ -62,7 +64,16 @@ typedef struct output_settings {
     int fields_every; // fields are written at every N-th time step; only for a transient scene
 } output_settings;
 
+/* The column of times in the tables of histories. */
+typedef struct table_time_settings {
+    char column[64]; // "": time, T or t
+    char unit[32];   // "": the unit in the column's header, else T
+} table_time_settings;
+
 typedef struct transient_settings {
+    // bit i: the i-th setting with the unit T is given in seconds; scene_take_seconds converts it
+    unsigned in_seconds;
+    table_time_settings time;
     double end_time; // T at which the run ends
     // dimensionless: tolerance of the error of the central film if `transport` is path, else of the
     // local error of a time step

@@ -98,6 +98,20 @@ static ehd_status check_speeds(const scene_source *source, bool both_speeds, ehd
     return EHD_OK;
 }
 
+/* Checks that the load of a line contact was not given as a force, and that of a point contact not
+ * per length. */
+static ehd_status check_load(const scene_source *source, ehd_error *error) {
+    const scene *of = &source->values;
+    const char *expected = strcmp(of->contact, "line") == 0 ? "N/m" : "N";
+
+    if (!*of->physical.load_unit || strcmp(of->physical.load_unit, expected) == 0) return EHD_OK;
+    return place_fail(
+        error, place_of_key(source, "physical.load"),
+        "physical.load: found a load in multiples of %s, expected multiples of %s in a "
+        "%s contact",
+        of->physical.load_unit, expected, of->contact);
+}
+
 static ehd_status check_operating_point(const scene_source *source, ehd_error *error) {
     const key_count moes = count_below("moes.", &source->values);
     bool both_speeds;
@@ -111,7 +125,7 @@ static ehd_status check_operating_point(const scene_source *source, ehd_error *e
     ehd_status status = check_whole(source, "moes", &moes, error);
     if (!status) status = check_speeds(source, both_speeds, error);
     if (!status) status = check_whole(source, "physical", &physical, error);
-    return status;
+    return status ? status : check_load(source, error);
 }
 
 /* Checks the settings of the traction. The stresses are in pascals, so the traction needs

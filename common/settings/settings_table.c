@@ -2,6 +2,7 @@
 #include "common/settings/settings_table.h"
 
 #include "common/physics/contact.h"
+#include "common/settings/unit.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -114,8 +115,12 @@ static const setting run_rows[] = {
     {"output.resolution", FLAG(output.resolution), NULL, NULL, 0, 0, "1",
      "Estimate what inlet and step do to the films, which takes a fifth (points) to two fifths (lines) of a cold start more; "
      "romrun: interpolate it between the points of the training; default true", {{"regime", "stationary"}}, false},
-    {"transient.end_time", REAL(transient.end_time), NULL, NULL, 1e-9, 1e12, "1",
+    {"transient.end_time", REAL(transient.end_time), NULL, NULL, 1e-9, 1e12, "T",
      "Time T = u_ref t/a_ref at which the run ends", IN_TIME, true},
+    {"transient.time.column", WORD(transient.time.column), NULL, NULL, 0, 0, "1",
+     "Column or dataset of the times in all tables of histories; default time, T or t", IN_TIME, false},
+    {"transient.time.unit", WORD(transient.time.unit), NULL, NULL, 0, 0, "1",
+     "Unit of these times, such as ms, or T; default: the unit in the column's header, else T", IN_TIME, false},
     {"transient.tolerance", REAL(transient.tolerance), NULL, NULL, 1e-12, 0.1, "1",
      "Accuracy of the time steps, relative to the central film: with transport path what they do to it "
      "(root mean square over time), default 1.5e-3; with upwind thirty times the local error of a step, "
@@ -123,7 +128,7 @@ static const setting run_rows[] = {
     {"transient.smoothing", REAL(transient.smoothing), NULL, NULL, 0, 1, "1",
      "Length below which waves of a film are damped on its path, in contact half widths; default "
      "0.014, less with a tolerance below 1.5e-3, at least 0.85 steps of the grid", {{"transport", "path"}}, false},
-    {"transient.fixed_step", REAL(transient.fixed_step), NULL, NULL, 1e-9, 1e12, "1",
+    {"transient.fixed_step", REAL(transient.fixed_step), NULL, NULL, 1e-9, 1e12, "T",
      "Length of all time steps, of T; switches error control off", IN_TIME, false},
     {"transient.start_film", REAL(transient.start_film), NULL, NULL, 1e-9, 1, "1",
      "Film H of the start when the speed starts at zero", IN_TIME, false},
@@ -179,7 +184,7 @@ static const setting history_rows[] = {
      "Of the factor mean + amplitude sin(2 pi T/period + phase)", LAW("sine"), true},
     {"mean", HISTORY_REAL(mean), NULL, NULL, -MAX_FACTOR, MAX_FACTOR, "1",
      "Mean of the factor, default 1; a speed with a mean of 0 goes to and fro", LAW("sine"), false},
-    {"period", HISTORY_REAL(period), NULL, NULL, 1e-6, 1e12, "1",
+    {"period", HISTORY_REAL(period), NULL, NULL, 1e-6, 1e12, "T",
      "Time T of one oscillation", LAW("sine"), true},
     {"phase", HISTORY_REAL(phase), "0", NULL, -1e3, 1e3, "rad",
      "Phase at T = 0", LAW("sine"), false},
@@ -187,15 +192,17 @@ static const setting history_rows[] = {
      "Factor before a ramp, or up to and at a step", LAW("ramp|step"), false},
     {"to", HISTORY_REAL(to), NULL, NULL, -MAX_FACTOR, MAX_FACTOR, "1",
      "Factor after a ramp or step", LAW("ramp|step"), true},
-    {"start", HISTORY_REAL(start), "0", NULL, -1e12, 1e12, "1",
+    {"start", HISTORY_REAL(start), "0", NULL, -1e12, 1e12, "T",
      "Time T at which a ramp starts", LAW("ramp"), false},
-    {"duration", HISTORY_REAL(duration), NULL, NULL, 1e-9, 1e12, "1",
+    {"duration", HISTORY_REAL(duration), NULL, NULL, 1e-9, 1e12, "T",
      "Time that a ramp takes, of T", LAW("ramp"), true},
-    {"at", HISTORY_REAL(at), NULL, NULL, 0, 1e12, "1", "Time T of a step", LAW("step"), true},
+    {"at", HISTORY_REAL(at), NULL, NULL, 0, 1e12, "T", "Time T of a step", LAW("step"), true},
     {"file", HISTORY_FILE(file), NULL, NULL, 0, 0, "1",
      "CSV or HDF5 file (.h5, .hdf5) with a table of factors over T", LAW("table"), true},
     {"column", HISTORY_TEXT(column), NULL, NULL, 0, 0, "1",
      "Column or dataset of the factors in the file", LAW("table"), true},
+    {"unit", HISTORY_TEXT(unit), NULL, NULL, 0, 0, "1",
+     "Unit of this column, such as N/mm, or factor; default: the unit in the column's header, else factor", LAW("table"), false},
     {"interpolation", HISTORY_CHOICE(interpolation), "spline", "spline|linear", 0, 0, "1",
      "How the table is read between its times", LAW("table"), false},
     LAST_ROW};
@@ -536,7 +543,7 @@ void setting_show_condition(char shown[SHOWN_TEXT], const setting_condition *con
 
 // ---- values
 
-static double real_at(const setting *row, const scene *of) {
+double setting_real(const setting *row, const scene *of) {
     double value;
     memcpy(&value, const_text_at(row, of), sizeof value);
     return value;
@@ -551,7 +558,7 @@ static int whole_at(const setting *row, const scene *of) {
 bool setting_is_given(const setting *row, const scene *of) {
     switch (row->type) {
     case SETTING_REAL:
-        return !isnan(real_at(row, of));
+        return !isnan(setting_real(row, of));
     case SETTING_WHOLE:
     case SETTING_FLAG:
         return whole_at(row, of) >= 0;
@@ -586,7 +593,7 @@ int setting_compare(const setting *row, const scene *left, const scene *right) {
     if (!left_given) return 0;
     switch (row->type) {
     case SETTING_REAL:
-        return compare_reals(real_at(row, left), real_at(row, right));
+        return compare_reals(setting_real(row, left), setting_real(row, right));
     case SETTING_WHOLE:
     case SETTING_FLAG:
         return whole_at(row, left) - whole_at(row, right);
@@ -612,7 +619,7 @@ size_t setting_show(char *text, size_t size, const setting *row, const scene *of
 
     switch (row->type) {
     case SETTING_REAL:
-        number_show(number, real_at(row, of));
+        number_show(number, setting_real(row, of));
         break;
     case SETTING_WHOLE:
         snprintf(number, sizeof number, "%d", whole_at(row, of));
@@ -684,21 +691,93 @@ static void show_allowed(char shown[ALLOWED_TEXT], const setting *row, const sce
     }
 }
 
-/* Checks whether a text is a number with a unit: "200kN/m", "0.7 GPa". */
-static bool has_unit(const setting *row, const char *text) {
+/* Returns the unit behind a number, as "kN/m" in "200 kN/m", or "". */
+static const char *unit_in(const char *text) {
     char *end;
-    if (row->type != SETTING_REAL || strcmp(row->unit, "1") == 0) return false;
     strtod(text, &end);
-    if (end == text) return false;
-    end += strspn(end, " ");
-    return isalpha((unsigned char)*end) || *end == '%';
+    return end == text ? "" : end + strspn(end, " ");
+}
+
+/* Returns the SI unit of a setting in a scene. If the kind of contact is not known yet, a load has
+ * the unit "N/m|N". */
+static const char *unit_of(char own[SHOWN_TEXT], const setting *row, const scene *of) {
+    const char *other = strchr(row->unit, '|');
+    if (!other || !*of->contact) return row->unit;
+    if (strcmp(of->contact, "line") != 0) return other + 1;
+    snprintf(own, SHOWN_TEXT, "%.*s", (int)(other - row->unit), row->unit);
+    return own;
+}
+
+/* Reads a number with or without a unit. */
+static bool read_real(double *value, const char *text, const char *si) {
+    const char *unit = unit_in(text);
+    char number[NUMBER_TEXT];
+    unit_conversion to_si;
+
+    if (!*unit) return number_read(value, text);
+    size_t length = (size_t)(unit - text);
+    while (length > 0 && text[length - 1] == ' ')
+        length--;
+    snprintf(number, sizeof number, "%.*s", (int)length, text);
+    if (length >= sizeof number || !number_read(value, number) || !unit_find(&to_si, si, unit))
+        return false;
+    *value = to_si.factor * *value + to_si.offset;
+    return true;
+}
+
+/* Notes whether the load was given as a force or per length, for check_load. The kind of contact may
+ * be given later. */
+static void note_load_unit(scene *of, const char *unit) {
+    unit_conversion per_length;
+
+    strcpy(of->physical.load_unit, !*unit ? "" : unit_find(&per_length, "N/m", unit) ? "N/m" : "N");
+}
+
+bool setting_is_time(const setting *row) {
+    return strcmp(row->unit, "T") == 0;
+}
+
+/* Notes whether a time was given in seconds. */
+static void note_seconds(scene *of, const setting *row, bool seconds) {
+    unsigned bit = 1;
+    for (const setting *other = scene_settings(); other < row; other++)
+        if (setting_is_time(other)) bit <<= 1;
+    of->transient.in_seconds =
+        seconds ? of->transient.in_seconds | bit : of->transient.in_seconds & ~bit;
+}
+
+ehd_status setting_take_seconds(scene *of, double unit_of_time, ehd_error *error) {
+    unsigned bits = of->transient.in_seconds;
+    of->transient.in_seconds = 0;
+    for (const setting *row = scene_settings(); row->key && bits; row++) {
+        if (!setting_is_time(row)) continue;
+        const bool seconds = bits & 1;
+        bits >>= 1;
+        if (!seconds) continue;
+        if (isnan(unit_of_time))
+            return ehd_fail(error, EHD_DATA,
+                            "%s: found seconds in a scene without physical, expected T", row->key);
+        const double value = setting_real(row, of) / unit_of_time;
+        if (!(value >= row->min && value <= row->max))
+            return ehd_fail(error, EHD_DATA,
+                            "%s: found T = %g from a time in seconds, expected %g to %g", row->key,
+                            value, row->min, row->max);
+        memcpy(text_at(row, of), &value, sizeof value);
+    }
+    return EHD_OK;
 }
 
 static bool assign_real(scene *of, const setting *row, const char *text) {
+    char si[SHOWN_TEXT];
     double value;
-    if (parse_real(&value, text, row->min, row->max, row->key, EHD_DATA, NULL)) return false;
+    const bool time = setting_is_time(row);
+    const bool seconds = time && !read_real(&value, text, "T");
+    if (!read_real(&value, text, seconds ? "s" : unit_of(si, row, of))) return false;
+    if (!seconds && !(value >= row->min && value <= row->max)) return false;
+    if (time) note_seconds(of, row, seconds);
     value += 0.0; // -0 becomes 0, so that equal scenes have equal text
     memcpy(text_at(row, of), &value, sizeof value);
+    if (strcmp(row->key, "physical.load") == 0) note_load_unit(of, unit_in(text));
     return true;
 }
 
@@ -734,9 +813,26 @@ static bool assign_text(scene *of, const setting *row, const char *text) {
     return true;
 }
 
+/* If a number has an unknown unit, writes which units its setting may have. Otherwise writes "". */
+static void show_units(char shown[2 * SHOWN_TEXT], const setting *row, const char *text,
+                       const scene *of) {
+    char si[SHOWN_TEXT], list[SHOWN_TEXT];
+    const char *own = unit_of(si, row, of), *unit = unit_in(text);
+    unit_conversion known;
+
+    *shown = '\0';
+    if (setting_is_time(row)) own = "s";
+    if (row->type != SETTING_REAL || strcmp(own, "1") == 0 || strchr(own, '|')) return;
+    if (!(isalpha((unsigned char)*unit) || *unit == '%') || unit_find(&known, own, unit)) return;
+    unit_list(list, own);
+    if (*list)
+        snprintf(shown, 2 * SHOWN_TEXT, ", or a number in %s%s", setting_is_time(row) ? "s, " : "",
+                 list);
+}
+
 ehd_status setting_assign(scene *of, const setting *row, const char *text, place where,
                           ehd_error *error) {
-    char found[SHOWN_TEXT], allowed[ALLOWED_TEXT];
+    char found[SHOWN_TEXT], allowed[ALLOWED_TEXT], units[2 * SHOWN_TEXT];
     bool valid;
     switch (row->type) {
     case SETTING_REAL:
@@ -754,8 +850,8 @@ ehd_status setting_assign(scene *of, const setting *row, const char *text, place
     if (valid) return EHD_OK;
     text_show(found, text);
     show_allowed(allowed, row, of);
-    return place_fail(error, where, "%s: found %s, expected %s%s", row->key, found, allowed,
-                      has_unit(row, text) ? ", written without the unit" : "");
+    show_units(units, row, text, of);
+    return place_fail(error, where, "%s: found %s, expected %s%s", row->key, found, allowed, units);
 }
 
 // ---- the table as help

@@ -71,6 +71,16 @@ int setting_compare(const setting *row, const scene *left, const scene *right);
  * Returns the length of the text, like snprintf. */
 size_t setting_show(char *text, size_t size, const setting *row, const scene *of);
 
+/* Returns the value of a setting of type SETTING_REAL. */
+double setting_real(const setting *row, const scene *of);
+
+/* Checks whether a setting is a dimensionless time T, which may also be given in seconds. */
+bool setting_is_time(const setting *row);
+
+/* Converts all times that were given in seconds to T. `unit_of_time` is a/u in s; NaN: not known.
+ * Returns EHD_DATA if it is needed and not known, or if a time T is out of its range. */
+ehd_status setting_take_seconds(scene *of, double unit_of_time, ehd_error *error);
+
 /* Returns the quantity (index of vary_names) to whose history a row belongs, or -1 if the row
  * belongs to no history. All histories have the same keys. */
 int setting_quantity(const setting *row);

@@ -104,13 +104,30 @@ static ehd_status read_csv_header(variation *self, ehd_error *error) {
     return status;
 }
 
+/* Keeps the text of a field, with the unit of its column. */
+static ehd_status keep_text(const char **text, variation *self, size_t column, ehd_error *error) {
+    const csv_file *points = &self->points;
+    char *joined, **list;
+
+    *text = points->fields[column];
+    if (!points->units[column]) return EHD_OK;
+    list = realloc(self->with_units, (self->num_with_units + 1) * sizeof *list);
+    if (!list) return ehd_no_memory(error, points->path);
+    self->with_units = list;
+    if (asprintf(&joined, "%s %s", points->fields[column], points->units[column]) < 0)
+        return ehd_no_memory(error, points->path);
+    *text = list[self->num_with_units++] = joined;
+    return EHD_OK;
+}
+
 static ehd_status read_csv_rows(variation *self, ehd_error *error) {
     size_t num_rows = 0;
     bool found = true;
     ehd_status status = read_csv_header(self, error);
     while (!status && !(status = csv_next_row(&found, &self->points, error)) && found) {
         for (size_t i = 0; i < self->num_columns; i++) {
-            self->columns[i].texts[num_rows] = self->points.fields[i];
+            status = keep_text(&self->columns[i].texts[num_rows], self, i, error);
+            if (status) return status;
             self->columns[i].places[num_rows] = self->points.where;
         }
         num_rows++;
@@ -146,7 +163,7 @@ static ehd_status check_bound(double *bound, const setting *row, const char *tex
 
     scene_defaults(&any);
     const ehd_status status = setting_assign(&any, row, text, where, error);
-    if (!status) number_read(bound, text);
+    if (!status) *bound = setting_real(row, &any);
     return status;
 }
 
@@ -163,6 +180,8 @@ static ehd_status read_bounds(variation_range *range, const tree_node *list, ehd
     status = check_bound(&range->low, row, list->first->value, range->where, error);
     if (!status) status = check_bound(&range->high, row, list->last->value, range->where, error);
     if (status) return status;
+    range->texts[0] = list->first->value;
+    range->texts[1] = list->last->value;
     if (!(range->low < range->high))
         return place_fail(error, range->where, "%s: found %s to %s, expected [lowest, highest]",
                           row->key, list->first->value, list->last->value);
@@ -276,13 +295,27 @@ static ehd_status read_region(variation *self, const tree_node *group, double ti
     return status;
 }
 
+static double range_part(const variation *self, size_t range, size_t point) {
+    return self->candidates[self->num_ranges * (point % self->num_candidates) + range];
+}
+
 static double range_value(const variation *self, size_t range, size_t point) {
     const variation_range *of = &self->ranges[range];
-    const double part = self->candidates[self->num_ranges * (point % self->num_candidates) + range];
+    const double part = range_part(self, range, point);
     if (part <= 0) return of->low;
     if (part >= 1) return of->high;
     if (of->low > 0) return of->low * pow(of->high / of->low, part);
     return of->low + part * (of->high - of->low);
+}
+
+/* Returns the value of a range at a point, as text. At both ends this is the text of the plan, whose
+ * unit the scene checks. */
+static const char *range_text(char text[NUMBER_TEXT], const variation *self, size_t range,
+                              size_t point) {
+    const double part = range_part(self, range, point);
+    if (part <= 0 || part >= 1) return self->ranges[range].texts[part >= 1];
+    number_show(text, range_value(self, range, point));
+    return text;
 }
 
 static ehd_status apply_ranges(const variation *self, size_t point, scene_source *source,
@@ -290,8 +323,8 @@ static ehd_status apply_ranges(const variation *self, size_t point, scene_source
     ehd_status status = EHD_OK;
     for (size_t r = 0; r < self->num_ranges && !status; r++) {
         const variation_range *range = &self->ranges[r];
-        char text[NUMBER_TEXT];
-        number_show(text, range_value(self, r, point));
+        char number[NUMBER_TEXT];
+        const char *text = range_text(number, self, r, point);
         source->places[setting_index(range->row)] = range->where;
         status = source_assign(source, range->row, text, range->where.file, range->where, error);
     }
@@ -452,5 +485,8 @@ void variation_free(variation *self) {
     }
     free(self->candidates);
     csv_close(&self->points);
+    for (size_t i = 0; i < self->num_with_units; i++)
+        free(self->with_units[i]);
+    free(self->with_units);
     *self = (variation){0};
 }

@@ -15,7 +15,7 @@ enum { MAX_POINTS = 1000000, MAX_RANGES = 6, DEFAULT_CANDIDATES = 1000 };
 typedef struct variation_column {
     const setting *row;
     size_t num_values;
-    const char **texts; // [num_values], owned by the YAML tree or by `points`
+    const char **texts; // [num_values], owned by the YAML tree, by `points` or by `with_units`
     place *places;      // [num_values]
 } variation_column;
 
@@ -23,6 +23,7 @@ typedef struct variation_column {
 typedef struct variation_range {
     const setting *row;
     place where;
+    const char *texts[2]; // lowest and highest value as in the plan, owned by the YAML tree
     double low, high;
 } variation_range;
 
@@ -41,6 +42,8 @@ typedef struct variation {
     size_t num_histories;        // trajectories of each combination of columns; 0: no histories
     size_t num_points;           // at most MAX_POINTS; candidates or histories vary fastest
     csv_file points;             // owns the texts that come from a CSV file
+    char **with_units;           // [num_with_units], texts of a CSV file with the column's unit
+    size_t num_with_units;
 } variation;
 
 /* Reads what a group varies. A group may have columns (`vary` and `combine`, or `points`), and

@@ -4,10 +4,13 @@
 #include "common/algebra/rounding.h"
 #include "common/algebra/spline.h"
 #include "common/artefact/table.h"
+#include "common/settings/scene_contact.h"
+#include "common/settings/unit.h"
 
 #include <gsl/gsl_interp.h>
 #include <gsl/gsl_poly.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,8 +26,14 @@ typedef struct history_law history_law;
 typedef struct history {
     const history_law *law;
     history_settings given;
-    double *time;   // [count], times of a table
-    double *values; // [count], values at these times
+    int quantity;              // VARY_LOAD, …
+    table_time_settings times; // of a table
+    const char *si;            // SI unit of the quantity
+    double reference;          // value of the quantity at the factor 1, in SI units; NaN: not known
+    double unit_of_time;       // a/u in s; NaN: not known
+    bool without_unit;         // the table has no unit of its times or values
+    double *time;              // [count], times of a table
+    double *values;            // [count], values at these times
     size_t count;
     spline *spline; // NULL: linear interpolation
 } history;
@@ -155,13 +164,51 @@ static double step_next_kink(const history *self, double time, bool *jump) {
 
 // ---- table
 
+/* Multiplies a column by the factor from its unit to its dimensionless unit. `own` is the unit that
+ * the scene gives, or "". `plain` is the name of the dimensionless unit. `si` and `scale` are the SI
+ * unit and the value of the dimensionless unit in it. *has_unit: whether a unit was given. */
+static ehd_status take_unit(table_column *column, bool *has_unit, size_t count, const char *own,
+                            const char *plain, const char *si, double scale, const char *key,
+                            ehd_error *error) {
+    const char *unit = *own ? own : column->unit;
+    char list[SHOWN_TEXT];
+    unit_conversion to_si;
+
+    *has_unit = *unit;
+    if (!*unit || strcmp(unit, plain) == 0) return EHD_OK;
+    unit_list(list, si);
+    if (!unit_find(&to_si, si, unit))
+        return ehd_fail(error, EHD_DATA, "%s: found %s, expected %s, %s, %s", key, unit, plain, si,
+                        list);
+    if (isnan(scale))
+        return ehd_fail(error, EHD_DATA, "%s: found %s in a scene without physical, expected %s",
+                        key, unit, plain);
+    for (size_t i = 0; i < count; i++)
+        column->values[i] *= to_si.factor / scale;
+    return EHD_OK;
+}
+
+/* Reads a table. Its times become T, its values factors on the reference value. */
 static ehd_status read_table(history *self, ehd_error *error) {
     static const char *const time_names[] = {"time", "T", "t", NULL};
+    const char *const own_time[] = {self->times.column, NULL};
     const char *const value_names[] = {self->given.column, NULL};
-    table_column columns[] = {{.names = time_names, .alone = true}, {.names = value_names}};
-    const ehd_status status = table_read(self->given.file, columns, 2, &self->count, error);
+    table_column columns[] = {{.names = *self->times.column ? own_time : time_names, .alone = true},
+                              {.names = value_names}};
+    char key[48];
+    bool has_unit[2] = {false, false};
+    ehd_status status = table_read(self->given.file, columns, 2, &self->count, error);
+
     self->time = columns[0].values;
     self->values = columns[1].values;
+    snprintf(key, sizeof key, "transient.%s.unit", vary_names[self->quantity]);
+    if (!status)
+        status = take_unit(&columns[0], &has_unit[0], self->count, self->times.unit, "T", "s",
+                           self->unit_of_time, "transient.time.unit", error);
+    if (!status)
+        status = take_unit(&columns[1], &has_unit[1], self->count, self->given.unit, "factor",
+                           self->si, self->reference, key, error);
+    self->without_unit = !has_unit[0] || !has_unit[1];
     return status;
 }
 
@@ -339,9 +386,25 @@ ehd_status histories_init(ehd_histories **result, const scene *given, ehd_error 
     *result = NULL;
     if (!self) return ehd_no_memory(error, "transient");
     self->start_speed = given->transient.start_speed;
+    ehd_contact contact;
+    if (scene_contact_derive(&contact, given, NULL)) contact.half_width = contact.speed = NAN;
+    const bool line = strcmp(given->contact, "line") == 0;
+    const struct {
+        const char *si;
+        double reference;
+    } of_quantity[] = {[VARY_LOAD] = {line ? "N/m" : "N", given->physical.load},
+                       [VARY_SPEED] = {"m/s", scene_speed(given)},
+                       [VARY_RADIUS] = {"m", given->physical.radius},
+                       [VARY_MODULUS] = {"Pa", given->physical.modulus},
+                       [VARY_APPROACH] = {"1", NAN}};
     for (int i = 0; i < NUM_VARY && !status; i++) {
         history *of = &self->of[i];
         of->given = given->transient.vary[i];
+        of->quantity = i;
+        of->times = given->transient.time;
+        of->si = of_quantity[i].si;
+        of->reference = of_quantity[i].reference;
+        of->unit_of_time = contact_time_scale(&contact);
         if (isnan(of->given.mean)) of->given.mean = 1;
         of->law = find_law(of->given.law);
         if (of->law->prepare) status = of->law->prepare(of, given->transient.end_time, error);
@@ -356,6 +419,13 @@ ehd_status histories_init(ehd_histories **result, const scene *given, ehd_error 
     if (status) self = histories_free(self);
     *result = self;
     return status;
+}
+
+const char *histories_without_unit(const ehd_histories *self) {
+    for (int i = 0; i < NUM_VARY; i++)
+        if (self->of[i].without_unit && !isnan(self->of[i].reference))
+            return self->of[i].given.file;
+    return NULL;
 }
 
 ehd_status histories_init_forward(ehd_histories **self, const scene *given, ehd_error *error) {

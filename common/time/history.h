@@ -12,7 +12,8 @@
 /* Histories are read-only once they are made, so that threads can share them. */
 typedef struct ehd_histories ehd_histories;
 
-/* Reads the tables of a valid scene and checks all histories on 0 <= T <= end_time. The histories
+/* Reads the tables of a valid scene, converts their units to T and to factors, and checks all
+ * histories on 0 <= T <= end_time. The histories
  * of a stationary scene are constant. EHD_DATA or EHD_NOINPUT: a table is missing, unreadable, too
  * short, not finite, not increasing in time, or does not cover the time. EHD_DATA: radius or
  * modulus is not above 0 somewhere, the load is below 0, or the speed is below 0 and `transport` is
@@ -41,6 +42,10 @@ ehd_status histories_init_training(
 
 /* Checks whether the speed is below 0 at any time, or the speed of the start is below 0. */
 bool histories_reverse(const ehd_histories *self);
+
+/* Returns the name of a table without units in a scene in SI units, or NULL. Its values were taken
+ * as factors, or its times as T. */
+const char *histories_without_unit(const ehd_histories *self);
 
 /* Frees `self`, which may be NULL. Returns NULL. */
 ehd_histories *histories_free(ehd_histories *self);

@@ -230,8 +230,8 @@ PYTHON
     # quoted names may have line breaks; the message counts lines of the table
     printf 'name,moes.M,moes.L\n"a\n\nb",10,3\n,40,3\n' >lines.csv
     judged 4 "lines.csv:5: found 0 of 2 scenes not converged and 1 not to be trusted" base.yml --cases lines.csv --model c.h5 -o l.csv
-    printf 'moes.M;moes.L\n10,5;3\n' >comma.csv
-    bad_table 65 "comma.csv:2: moes.M: found 10,5, expected a number" comma
+    printf 'moes.M;moes.L\n10,5,2;3\n' >comma.csv
+    bad_table 65 "comma.csv:2: moes.M: found 10,5,2, expected a number" comma
     printf 'moes.M,moes.L\n10,3\n"12,5\n13,4\n' >open.csv
     bad_table 65 "open.csv:3: found a quote that does not end" open
     printf 'moes.M,moes.L\n' >header.csv

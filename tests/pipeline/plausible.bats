@@ -52,6 +52,26 @@ YAML
     refused 64 "command line: found 1 file, expected none" fullrun --describe gear.yml gear.yml
 }
 
+@test "a multibody program's table in engineering units is solved by one command" {
+    sed -i 's/stationary/transient/; s/^physical:.*/physical: {load: 500 N\/mm, radius: 12 mm, speed: 4 m\/s, modulus: 226 GPa}/' gear.yml
+    cat >>gear.yml <<'YAML'
+transient:
+  end_time: 0.2 ms
+  load: {law: table, file: mesh.csv, column: Fn}
+  speed: {law: table, file: mesh.csv, column: u}
+YAML
+    cp gear.yml factors.yml
+    # 0.26001 mm at 4 m/s: a unit of time of 6.5003e-5 s
+    printf 'index;t (ms);Fn [N/mm];u [m/s]\n0;0;450;4,0\n1;0,1;500;4,4\n2;0,3;520;5\n' >mesh.csv
+    awk 'BEGIN { unit = 0.260010845 / 4; print "T,Fn,u\n0,0.9,1"; printf "%.10g,1,1.1\n%.10g,1.04,1.25\n", 0.1 / unit, 0.3 / unit }' >factors.csv
+    sed -i 's/mesh.csv/factors.csv/' factors.yml
+    run -0 --separate-stderr fullrun gear.yml -o units.h5 --quiet
+    run -0 --separate-stderr fullrun factors.yml -o factors.h5
+    [[ "$stderr" == *"factors.csv: found a column without a unit: times are taken as T, values as factors"* ]]
+    close_to "$(number units.h5 central_film_thickness)" "$(number factors.h5 central_film_thickness)" 1e-6
+    [ "$(fullrun --print units.h5 time | wc -l)" = "$(fullrun --print factors.h5 time | wc -l)" ]
+}
+
 @test "sliding needs a law of shear stress, and a ratio" {
     refused 65 "slide_roll: found 0.05 without lubricant.shear.law, expected a law: eyring" fullrun gear.yml --set slide_roll=0.05
     refused 65 "slide_roll: found 50, expected a number from -2 to 2" fullrun gear.yml --set slide_roll=50

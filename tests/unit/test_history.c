@@ -418,7 +418,7 @@ static void csv_columns_without_the_right_names_are_refused(void **state) {
     refuses_table("T,F,F\n0,1,2\n2,1,3\n",
                   "bad.csv:1: F: found again in the columns T, F, F, expected only once");
     refuses_table("T,F,a,a\n0,1,2,3\n2,1,3,4\n", "bad.csv:1: a: found again in the columns");
-    refuses_table("T;F\n0;1,5\n2;1\n", "bad.csv:2: F: found 1,5, expected a number");
+    refuses_table("T;F\n0;1,5,2\n2;1\n", "bad.csv:2: F: found 1,5,2, expected a number");
     refuses_table("\"T,F\n0,1\n2,1\n",
                   "bad.csv:1: found a quote that does not end, expected its end");
     refuses_table("T,F\n0,1\n\"2\n,1\n", "bad.csv:3: found a quote that does not end");
@@ -538,6 +538,68 @@ static void survives_failing_allocations(void **state) {
     assert_true(call > 6);
 }
 
+// ---- units
+
+/* Returns the factors of load and speed, at T = 1, of tables in a scene in SI units. Its unit of
+ * time is a/u = 0.25 ms, its load is 200 N/mm, its speed 0.8 m/s. */
+static void units_at(double value[NUM_VARY], const char *table, const char *keys) {
+    char text[1024];
+    ehd_error error = {""};
+    ehd_histories *self;
+    scene of;
+    write_file("units.csv", table);
+    snprintf(text, sizeof text,
+             "contact: line\nregime: transient\nphysical: {load: 200 N/mm, radius: %.17g, speed: "
+             "0.8, modulus: 200 GPa, viscosity: 0.1}\nlubricant.viscosity: {law: barus, alpha: "
+             "2e-8}\ntransient: {end_time: 2, %s}\n",
+             4e-8 * M_PI * 200e9 / (8 * 200e3), keys);
+    if (scene_parse(&of, text, strlen(text), "s.yml", NULL, 0, &error) ||
+        histories_init(&self, &of, &error))
+        fail_msg("%s", error.text);
+    histories_at(value, self, 1);
+    histories_free(self);
+}
+
+static void tables_may_have_units(void **state) {
+    (void)state;
+    static const char linear[] = "interpolation: linear";
+    static const struct {
+        const char *table, *load, *speed, *time;
+    } given[] = {
+        {"T,F,u\n0,1,1\n2,2,3\n", "", "", ""},
+        {"t [ms],F [N/mm],u (m/s)\n0,200,0.8\n0.5,400,2.4\n", "", "", ""},
+        {"time;F;u\n0;200;0,8\n0,0005;400;2,4\n", ", unit: kN/m", ", unit: m/s", "unit: s"},
+        {"clock,F [kN/m],u\n0,200000,800\n500,400000,2400\n", ", unit: N/m", ", unit: mm/s",
+         "column: clock, unit: us"},
+        {"t [s],F [N/mm],u\n0,200,1\n0.0005,400,3\n", "", ", unit: factor", ""}};
+    for (size_t i = 0; i < sizeof given / sizeof *given; i++) {
+        double value[NUM_VARY];
+        char keys[512];
+        snprintf(keys, sizeof keys,
+                 "time: {%s}, load: {law: table, file: units.csv, column: F, %s%s}, speed: {law: "
+                 "table, file: units.csv, column: u, %s%s}",
+                 given[i].time, linear, given[i].load, linear, given[i].speed);
+        if (!*given[i].time) memmove(keys, keys + strlen("time: {}, "), strlen(keys));
+        units_at(value, given[i].table, keys);
+        check_close(value[VARY_LOAD], 1.5, 1e-14, 0);
+        check_close(value[VARY_SPEED], 2, 1e-14, 0);
+    }
+}
+
+static void wrong_units_of_tables_are_refused(void **state) {
+    (void)state;
+    write_file("units.csv", "T,F [N/mm],G\n0,1,1\n2,2,3\n");
+    refuses_with(EHD_DATA, "load: {law: table, file: units.csv, column: F, interpolation: linear}",
+                 "transient.load.unit: found N/mm in a scene without physical, expected factor");
+    refuses_with(EHD_DATA,
+                 "load: {law: table, file: units.csv, column: G, unit: mm, interpolation: linear}",
+                 "transient.load.unit: found mm, expected factor, N/m, N/mm, kN/m");
+    refuses_with(EHD_DATA,
+                 "time: {unit: ms}, load: {law: table, file: units.csv, column: G, interpolation: "
+                 "linear}",
+                 "transient.time.unit: found ms in a scene without physical, expected T");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nothing_varies_without_a_law),
@@ -560,6 +622,8 @@ int main(void) {
         cmocka_unit_test(bad_hdf5_tables_are_refused),
         cmocka_unit_test(threads_share_histories),
         cmocka_unit_test(survives_failing_allocations),
+        cmocka_unit_test(tables_may_have_units),
+        cmocka_unit_test(wrong_units_of_tables_are_refused),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

@@ -70,7 +70,7 @@ static void wrong_units_are_named(void **unused) {
         {SPEED, 1e3, IMPLAUSIBLE, ": is physical.speed = 4000 in mm/s?"},
         {MODULUS, 1e-6, IMPOSSIBLE, ": is physical.modulus = 226000 in MPa?"},
         {MODULUS, 1e-6, IMPOSSIBLE, "half width over radius: found 21.7, expected at most 1"},
-        {ETA0, 1e3, IMPLAUSIBLE, ": is lubricant.viscosity.eta0 = 50 in mPa s?"},
+        {ETA0, 1e3, IMPLAUSIBLE, ": is lubricant.viscosity.eta0 = 50 in mPas?"},
         {RADIUS, 1e-3, IMPOSSIBLE, ": is physical.radius = 1.2e-05 1000 times too small?"},
         {ALPHA, 4, IMPLAUSIBLE, "pressure coefficient alpha: found 8e-08 1/Pa"},
         {ALPHA, 0.1, IMPLAUSIBLE, "expected at least 5e-09 1/Pa"},

@@ -199,16 +199,20 @@ static const struct {
      "hertz_pressure: found 1, expected a number from 100000 to 2e+10 Pa"},
     {SCENE, "hertz_pressure: \"1\\n2\"", "hertz_pressure: found 1?2, expected"},
     // numbers with a unit
-    {SCENE, "contact: line\nphysical: {load: 200kN/m}",
-     "physical.load: found 200kN/m, expected a number from 1e-06 to 1e+09 N/m, written without the "
-     "unit"},
-    {SCENE, "contact: point\nphysical: {load: 200 N}",
-     "physical.load: found 200 N, expected a number from 1e-06 to 1e+09 N, written without the "
-     "unit"},
+    {SCENE, "contact: line\nphysical: {load: 200kN}",
+     "physical.load: found 200kN, expected a number from 1e-06 to 1e+09 N/m, or a number in N/mm, "
+     "kN/m, N/cm, kN/mm, MN/m"},
+    {SCENE, "contact: point\nphysical: {load: 200 N/m}",
+     "physical.load: found 200 N/m, expected a number from 1e-06 to 1e+09 N, or a number in kN, "
+     "mN, "
+     "MN"},
+    {SCENE,
+     "physical: {load: 20 N/mm, radius: 1, speed: 1, modulus: 1 GPa, viscosity: 1}\n"
+     "contact: point\nregime: stationary\nlubricant.viscosity: {law: barus, alpha: 1e-8}",
+     "physical.load: found a load in multiples of N/m, expected multiples of N in a point contact"},
     {SCENE, "physical: {load: x}",
      "expected a number from 1e-06 to 1e+09 N/m (of a point contact N)"},
-    {SCENE, "hertz_pressure: 0.7GPa",
-     "expected a number from 100000 to 2e+10 Pa, written without the unit"},
+    {SCENE, "hertz_pressure: 70 GPa", "expected a number from 100000 to 2e+10 Pa"},
     {SCENE, "physical: {radius: 1e-7}", "found 1e-7, expected a number from 1e-06 to 1000 m"},
     // bad choices and kinds
     {SCENE, "contact: ring", "s.yml:1: contact: found ring, expected line|point"},
@@ -371,8 +375,9 @@ static const struct {
      "transient.load: found a value, expected keys below it: transient.load.law, "
      "transient.load.ampl"},
     {MOVING, "transient: 1\n",
-     "expected keys below it: transient.end_time, transient.tolerance, transient.smoothing, "
-     "transient.fixed_step, transient.start_film, transient.start_speed, transient.load, "
+     "expected keys below it: transient.end_time, transient.time, transient.tolerance, "
+     "transient.smoothing, transient.fixed_step, transient.start_film, transient.start_speed, "
+     "transient.load, "
      "transient.speed, transient.radius, transient.modulus, transient.approach"},
     {MOVING, "transient: {load: {interpolation: cubic}}\n", "found cubic, expected spline|"},
     {MOVING, "transient: {end_time: 0}\n", "transient.end_time: found 0, expected a number"},
@@ -396,9 +401,9 @@ static const struct {
      "candidates: found 2.5, expected a number from 4 to 1000000"},
     {GROUP, "region: {M: [0.01, 6]}",
      "plan.yml:3: moes.M: found 0.01, expected a number from 0.1 to 100000"},
-    {GROUP, "region: {hertz_pressure: [1e9, 2 GPa]}",
-     "plan.yml:3: hertz_pressure: found 2 GPa, expected a number from 100000 to 2e+10 Pa, written "
-     "without the unit"},
+    {GROUP, "region: {hertz_pressure: [1e9, 2 GHz]}",
+     "plan.yml:3: hertz_pressure: found 2 GHz, expected a number from 100000 to 2e+10 Pa, or a "
+     "number in MPa"},
     // parts of a plan
     {PLAN, "part_of: plan.yml\n", "not in a circle"},
     {PLAN, "part_of: [whole.yml]\n", "part_of: found a list, expected the name of a plan"},
@@ -530,15 +535,80 @@ static void refuses_bad_numbers(void **state) {
     refuses(SCENE, text, expected);
 }
 
-static void only_a_unit_is_told_as_one(void **state) {
+static void only_an_unknown_unit_is_told_as_one(void **state) {
     (void)state;
     scene of;
     ehd_error error;
     scene_defaults(&of);
-    assert_int_equal(scene_set(&of, "physical.radius", "-1", "here", &error), EHD_DATA);
-    assert_null(strstr(error.text, "written without"));
+    assert_int_equal(scene_set(&of, "physical.radius", "-1 mm", "here", &error), EHD_DATA);
+    assert_null(strstr(error.text, "or a number in"));
     assert_int_equal(scene_set(&of, "moes.M", "1e-1O", "here", &error), EHD_DATA);
-    assert_null(strstr(error.text, "written without"));
+    assert_null(strstr(error.text, "or a number in"));
+    assert_int_equal(scene_set(&of, "physical.radius", "1 kg", "here", &error), EHD_DATA);
+    assert_non_null(strstr(error.text, ", or a number in mm, um"));
+}
+
+static void values_may_have_units(void **state) {
+    (void)state;
+    static const struct {
+        const char *key, *value;
+        double si;
+    } given[] = {{"physical.load", "500 N/mm", 5e5},
+                 {"physical.load", "0.5kN", 500},
+                 {"physical.radius", "12 mm", 0.012},
+                 {"physical.radius", "40 µm", 4e-5},
+                 {"physical.speed", "36 km/h", 10},
+                 {"physical.modulus", "226 GPa", 226e9},
+                 {"physical.modulus", "226e3 N/mm²", 226e9},
+                 {"physical.modulus", "2.26e11 Pa", 226e9},
+                 {"physical.viscosity", "80 mPa s", 0.08},
+                 {"physical.viscosity", "80 mPa.s", 0.08},
+                 {"physical.viscosity", "80 mPa·s", 0.08},
+                 {"physical.viscosity", "80 cP", 0.08},
+                 {"lubricant.viscosity.alpha", "20 1/GPa", 2e-8},
+                 {"lubricant.viscosity.alpha", "20 GPa^-1", 2e-8},
+                 {"lubricant.viscosity.alpha", "0.02 mm2/N", 2e-8},
+                 {"lubricant.viscosity.temperature", "60 °C", 60},
+                 {"lubricant.viscosity.temperature", "333.15 K", 60},
+                 {"lubricant.shear.tau0", "5 MPa", 5e6},
+                 {"slide_roll", "5 %", 0.05}};
+    for (size_t i = 0; i < sizeof given / sizeof *given; i++) {
+        scene of;
+        ehd_error error = {""};
+        scene_defaults(&of);
+        if (scene_set(&of, given[i].key, given[i].value, "here", &error))
+            fail_msg("%s", error.text);
+        check_close(setting_real(setting_find(given[i].key), &of), given[i].si, 1e-15, 0);
+    }
+}
+
+/* The scene of the README has a/u = 1.8e-4 s: with load w, a^2 = 8 w R/(pi E'). */
+static void times_may_be_in_seconds(void **state) {
+    (void)state;
+    static const char frame[] =
+        "contact: line\nregime: transient\nphysical: {load: %s, radius: 12.5 mm, speed: 0.8, "
+        "modulus: 226 GPa, viscosity: 80 mPa.s}\nlubricant.viscosity: {law: barus, alpha: 2e-8}\n"
+        "transient: {end_time: 2 ms, fixed_step: 0.01, load: {law: ramp, to: 1.1, start: 100 us, "
+        "duration: 0.5}}\n";
+    const double loads[] = {300e3, 1200e3};
+    for (size_t i = 0; i < 2; i++) {
+        const double unit = sqrt(8 * loads[i] * 0.0125 / (M_PI * 226e9)) / 0.8;
+        char text[512];
+        ehd_error error = {""};
+        scene of;
+        snprintf(text, sizeof text, frame, i == 0 ? "300 N/mm" : "1200 N/mm");
+        if (scene_parse(&of, text, strlen(text), "s.yml", NULL, 0, &error))
+            fail_msg("%s", error.text);
+        check_close(of.transient.end_time, 2e-3 / unit, 1e-14, 0);
+        check_close(of.transient.fixed_step, 0.01, 0, 0);
+        check_close(of.transient.vary[VARY_LOAD].start, 1e-4 / unit, 1e-14, 0);
+        check_close(of.transient.vary[VARY_LOAD].duration, 0.5, 0, 0);
+        assert_int_equal(of.transient.in_seconds, 0);
+    }
+    refuses(SCENE,
+            "contact: line\nregime: transient\nmoes: {M: 10, L: 10}\nlubricant.viscosity: {law: "
+            "barus, alpha: 2e-8}\ntransient: {end_time: 2 ms}",
+            "transient.end_time: found seconds in a scene without physical, expected T");
 }
 
 static void refuses_numbers_out_of_range(void **state) {
@@ -1102,7 +1172,7 @@ static void help_shows_every_key(void **state) {
         if (count(printed, shown) != 1)
             fail_msg("found %zu times \"%s\"", count(printed, shown), shown);
     }
-    assert_int_equal(count(printed, histories), 13);
+    assert_int_equal(count(printed, histories), 14);
     assert_int_equal(count(printed, "Settings of a scene"), 1);
     assert_non_null(strstr(printed, "--set KEY= unsets"));
     assert_non_null(
@@ -1314,7 +1384,7 @@ static void plan_reads_csv_points(void **state) {
         {",M\n0,50\n", "; found the columns (no name), M"},
         {"M,L,M\n50,1,60\n",
          "sub/points.csv:1: M: found again in the columns M, L, M, expected only once"},
-        {"M;L\n50;1,5\n", "sub/points.csv:2: moes.L: found 1,5, expected a number"},
+        {"M\tL\n50\t1,5,2\n", "sub/points.csv:2: moes.L: found 1,5,2, expected a number"},
         {"M,L\n50,\"1\n\n,2\n",
          "sub/points.csv:2: found a quote that does not end, expected its end"},
         {"M,law\n50,1\n", "sub/points.csv:1: law: found an unknown key"},
@@ -1587,7 +1657,9 @@ int main(void) {
         cmocka_unit_test(reads_a_scene_and_fills_defaults),
         cmocka_unit_test(reads_physical_numbers_and_every_law),
         cmocka_unit_test(refuses_bad_numbers),
-        cmocka_unit_test(only_a_unit_is_told_as_one),
+        cmocka_unit_test(only_an_unknown_unit_is_told_as_one),
+        cmocka_unit_test(values_may_have_units),
+        cmocka_unit_test(times_may_be_in_seconds),
         cmocka_unit_test(refuses_numbers_out_of_range),
         cmocka_unit_test(refuses_encodings_and_sizes_that_are_no_text),
         cmocka_unit_test(refuses_constants_that_are_not_all_given),
