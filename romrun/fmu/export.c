@@ -227,6 +227,12 @@ static ehd_status fill_contents(export_job *job, ehd_error *error) {
     contents->point = contents->ellipse || strcmp(given->contact, "point") == 0;
     contents->approach_given = strcmp(given->closure, "approach") == 0;
     contents->slides = !isnan(given->slide_roll);
+    if (contents->slides && !*given->lubricant.shear.law)
+        return ehd_fail(
+            error, EHD_DATA,
+            "%s: slide_roll: found a value without lubricant.shear.law, expected a law, "
+            "because the speeds of both surfaces are inputs",
+            job->caller->arguments[0]);
     contents->ratio = scene_thins_flow(given) ? given->slide_roll : NAN;
     contents->heated = !isnan(given->lubricant.thermal_conductivity);
     for (size_t i = 0; i < FMU_NUM_VARIABLES; i++) {

@@ -108,13 +108,13 @@ static ehd_status find_sliding(double *sliding, ehdrom_contact *self, const slid
                         "sliding: found %g, expected %g: with lubricant.shear.in_film a film is of "
                         "one sliding",
                         *sliding, own_sliding);
-    if (*sliding != 0 && !*self->settings.lubricant.shear.law)
-        return ehd_fail(&self->error, EHD_DATA,
-                        "sliding: found %g without lubricant.shear.law, expected a law", *sliding);
     if (!isfinite(*sliding))
         return ehd_fail(&self->error, EHD_DATA,
                         "sliding: found %g and no slide_roll, expected a speed, or slide_roll set",
                         *sliding);
+    if (*sliding != 0 && !*self->settings.lubricant.shear.law)
+        return ehd_fail(&self->error, EHD_DATA,
+                        "sliding: found %g without lubricant.shear.law, expected a law", *sliding);
     return EHD_OK;
 }
 

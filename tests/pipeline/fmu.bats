@@ -165,8 +165,10 @@ stationary_inlet_heating_factor=0x1[^ ]*p-1\$")" -eq 40 ]
     ./use_fmu 2 "$all/s2" derivatives
     grep '"friction_force" valueReference="28"' "$all/s3/modelDescription.xml" | grep 'unit="N/m"'
     # inputs start from the speeds of both surfaces in the scene
-    romrun --fmu scene.yml --model m.h5 -o "$all/ratio.fmu" --quiet --set slide_roll=0.1
-    romrun --fmu scene.yml --model m.h5 -o "$all/speeds.fmu" --quiet \
+    run -65 romrun --fmu scene.yml --model m.h5 -o "$all/none.fmu" --set slide_roll=0
+    [[ $output == *"slide_roll: found a value without lubricant.shear.law, expected a law, because the speeds"* ]]
+    romrun --fmu scene.yml --model m.h5 -o "$all/ratio.fmu" --quiet "${sliding[@]}" --set slide_roll=0.1
+    romrun --fmu scene.yml --model m.h5 -o "$all/speeds.fmu" --quiet "${sliding[@]}" --set slide_roll= \
         --set physical.speed= --set physical.speed_1=0.84 --set physical.speed_2=0.76
     for name in ratio speeds; do
         python3 -m zipfile -e "$all/$name.fmu" "$all/$name"

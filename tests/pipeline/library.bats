@@ -686,9 +686,24 @@ for wrong in (contact.respond, lambda: solved.differentiate(load=1, approach=1))
 # a flat model gives the same bits, fields too
 flat = ehdrom.Contact(ehdrom.Model("m.ehdrom"), "si.yml", accuracy=math.inf)
 plain = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
+try:
+    plain.solve()
+    plain.slide(1e-3)
+except ehdrom.Error as error:
+    assert "without lubricant.shear.law" in str(error), error
+else:
+    raise AssertionError("nothing raised")
+for contact in flat, plain:
+    contact["slide_roll"], contact["lubricant.shear.law"] = 1e-3, "newtonian"
 assert flat.solve().minimum_film_thickness == plain.solve().minimum_film_thickness
 assert all((a == b).all() for a, b in zip(flat.fields(), plain.fields()))
-assert flat.slide(1e-3)["friction_force"] == plain.slide(1e-3)["friction_force"]
+assert flat.slide(1e-4)["friction_force"] == plain.slide(1e-4)["friction_force"]
+try:
+    plain.slide(100)
+except ehdrom.Untrusted as error:
+    assert "friction above the load" in str(error), error
+else:
+    raise AssertionError("nothing raised")
 flat.restore(saved)
 assert flat.step(0.01 * time, load=20.2e3).central_film_thickness == one.central_film_thickness
 
