@@ -3,6 +3,7 @@
 
 #include "common/output/check.h"
 #include "common/output/describe.h"
+#include "common/output/plot.h"
 #include "common/output/print.h"
 #include "common/output/vtk.h"
 
@@ -20,6 +21,8 @@ int output_main(int argc, char **argv, const program_options *options,
         status = scene_describe(&self, &error);
     else if (self.print)
         status = output_print(&self, &error);
+    else if (self.plot)
+        status = output_plot(&self, &error);
     else if (self.vtk)
         status = output_vtk(&self, &error);
     else

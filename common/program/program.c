@@ -262,6 +262,7 @@ enum {
     KEY_DESCRIBE,
     KEY_PRINT,
     KEY_SI,
+    KEY_PLOT,
     KEY_VTK
 };
 
@@ -294,16 +295,19 @@ static const struct argp_option common_options[] = {
      .group = 10},
     {.name = "si",
      .key = KEY_SI,
+     .doc = "With --print of a result: values in SI units, which stand behind each name",
+     .group = 10},
+    {.name = "plot",
+     .key = KEY_PLOT,
+     .arg = "FILE",
      .doc =
-         "With --print of a result in SI units: lengths, films, pressures, loads and times, with "
-         "the unit behind each name",
+         "Only draw a result, a training, a basis or a model: -o NAME.png, .svg or .pdf. With two "
+         "NAMEs of columns: a table",
      .group = 10},
     {.name = "vtk",
      .key = KEY_VTK,
      .arg = "RESULT.h5",
-     .doc = "Only write the fields of a result, in metres and pascals, for ParaView: -o NAME.vti, "
-            "or of "
-            "several times NAME.pvd and beside it NAME_0000.vti and so on",
+     .doc = "Only write the fields of a result, in SI units, for ParaView: -o NAME.vti or .pvd",
      .group = 10},
     {.name = "quiet", .key = 'q', .doc = "No progress and no notes", .group = 10},
     {.name = "verbose", .key = 'v', .doc = "Also details", .group = 10},
@@ -333,6 +337,11 @@ static ehd_status choose_mode(program *self, size_t mode, ehd_error *error) {
     return EHD_OK;
 }
 
+/* Checks whether the program only looks at a file. */
+static bool looks_only(const program *self) {
+    return self->check || self->print || self->describe || self->plot || self->vtk;
+}
+
 /* If the first argument is the word of a mode, removes it and chooses this mode. An option may have
  * chosen a mode before; `last` is then the argument of this option, and is appended to the
  * arguments. */
@@ -340,8 +349,8 @@ static ehd_status take_mode(program *self, const char *last, ehd_error *error) {
     const program_mode *mode = self->modes;
     ehd_status status = EHD_OK;
 
-    // with --print the arguments are names in the file
-    if (!mode || self->print || self->vtk || self->check || self->describe) return EHD_OK;
+    // with --print and --plot the arguments are names in the file
+    if (!mode || looks_only(self)) return EHD_OK;
     for (mode++; mode->word && self->num_arguments > 0; mode++)
         if (strcmp(mode->word, self->arguments[0]) == 0) {
             status = choose_mode(self, (size_t)(mode - self->modes), error);
@@ -523,6 +532,8 @@ static error_t parse_common(int key, char *argument, struct argp_state *state) {
         return set_file(&self->describe, "--describe", argument, state);
     case KEY_PRINT:
         return set_file(&self->print, "--print", argument, state);
+    case KEY_PLOT:
+        return set_file(&self->plot, "--plot", argument, state);
     case KEY_VTK:
         return set_file(&self->vtk, "--vtk", argument, state);
     case KEY_SI:
@@ -594,30 +605,42 @@ static ehd_status check_count(const program *self, const program_mode *mode, boo
                     (int)strcspn(missing, " "), missing, name, space, usage);
 }
 
+/* Refuses two of the options that only look at a file. */
+static ehd_status check_only_one(const program *self, ehd_error *error) {
+    const struct {
+        const char *name, *file;
+    } options[] = {{"check", self->check},
+                   {"print", self->print},
+                   {"describe", self->describe},
+                   {"plot", self->plot},
+                   {"vtk", self->vtk}};
+    const char *first = NULL;
+
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
+        if (options[i].file && first)
+            return ehd_fail(error, EHD_USAGE, "--%s: found --%s too, expected one of them",
+                            options[i].name, first);
+        if (options[i].file) first = options[i].name;
+    }
+    return EHD_OK;
+}
+
 static ehd_status check_arguments(const program *self, const program_mode *mode, bool by_option,
                                   ehd_error *error) {
-    if (self->check && self->print)
-        return ehd_fail(error, EHD_USAGE, "--print: found --check too, expected one of them");
-    if (self->vtk && (self->check || self->print))
-        return ehd_fail(error, EHD_USAGE, "--vtk: found --%s too, expected one of them",
-                        self->check ? "check" : "print");
-    if (self->describe && (self->check || self->print || self->vtk || self->output))
-        return ehd_fail(error, EHD_USAGE, "--describe: found --%s too, expected one of them",
-                        self->check   ? "check"
-                        : self->print ? "print"
-                        : self->vtk   ? "vtk"
-                                      : "output");
-    if (self->print) return EHD_OK;
+    const bool draws = self->vtk || self->plot;
+    ehd_status status = check_only_one(self, error);
+
+    if (status || self->print) return status;
     if (self->si)
         return ehd_fail(error, EHD_USAGE, "--si: found without --print, expected with it");
-    const bool none = self->vtk || self->describe;
-    ehd_status status = EHD_OK;
-    if (self->modes && !self->check && !none) status = check_options(self, error);
-    if (!status) status = check_count(self, mode, by_option, error);
+    if (self->describe && self->output)
+        return ehd_fail(error, EHD_USAGE, "--describe: found --output too, expected one of them");
+    if (self->modes && !looks_only(self)) status = check_options(self, error);
+    if (!status && !self->plot) status = check_count(self, mode, by_option, error);
     if (status || self->check || self->describe) return status;
-    if ((mode->output == OUTPUT_NEEDED || self->vtk) && !self->output)
+    if ((mode->output == OUTPUT_NEEDED || draws) && !self->output)
         return ehd_fail(error, EHD_USAGE, "--output: found nothing, expected -o FILE");
-    if (mode->output == OUTPUT_NONE && self->output && !self->vtk)
+    if (mode->output == OUTPUT_NONE && self->output && !draws)
         return ehd_fail(error, EHD_USAGE, "--output: found with %s %s, expected none", self->name,
                         mode->word);
     return EHD_OK;

@@ -52,7 +52,7 @@ enum { MAX_OPTIONS = 24, MAX_PROGRAM_MODES = 8 };
 #define OPTION_READ(name, function) OPTION_(AS_READ, name), .read = (function)
 
 /* A program's arguments and the values of the common options --quiet --verbose --set --force
- * --check FILE --describe SCENE --print FILE --si --vtk FILE -o FILE. */
+ * --check FILE --describe SCENE --print FILE --si --plot FILE --vtk FILE -o FILE. */
 typedef struct program {
     const char *name; // "fullrun"
     int argc;         // as main received them, for the history of the output
@@ -65,6 +65,7 @@ typedef struct program {
     const char *describe;   // --describe SCENE; NULL when not given
     const char *print;      // --print FILE; `arguments` are then names in FILE; NULL when not given
     bool si;                // --si, with --print: print in SI units
+    const char *plot;       // --plot FILE, drawn into `output`; NULL when not given
     const char *vtk;        // --vtk FILE, written to `output`; NULL when not given
     const char **overrides; // --set key=value, in order; [num_overrides]
     size_t num_overrides;

@@ -11,6 +11,7 @@ typedef enum ehd_status {
     EHD_USAGE = 64,        // wrong command line (sysexits.h from here on)
     EHD_DATA = 65,         // bad data or setting
     EHD_NOINPUT = 66,      // input file missing or unreadable
+    EHD_UNAVAILABLE = 69,  // an optional program or package is missing
     EHD_INTERNAL = 70,     // a library failed in a way that should not happen
     EHD_MEMORY = 71,       // out of memory
     EHD_CANTCREATE = 73,   // output cannot be created, or exists without --force
