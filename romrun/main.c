@@ -805,10 +805,9 @@ static ehd_status judge_cases(const cases_summary *found, const romrun_options *
 
     if (!unsolved && (found->num_untrusted == 0 || options->allow_untrusted)) return EHD_OK;
     ehd_fail(error, EHD_NOT_CONVERGED,
-             "found %zu of %zu scenes not converged and %zu not to be trusted, the first %s here, "
-             "expected none",
-             found->num_unsolved, found->num_cases, found->num_untrusted,
-             unsolved ? "not converged" : "not to be trusted");
+             "scenes: %zu, not converged: %zu, not to be trusted: %zu; this is the first that %s",
+             found->num_cases, found->num_unsolved, found->num_untrusted,
+             unsolved ? "did not converge" : "is not to be trusted");
     case_list_fail(list, found->first, error);
     return unsolved ? EHD_NOT_CONVERGED : EHD_UNTRUSTED;
 }

@@ -514,7 +514,7 @@ static void report_round(const adaptive *self, size_t num_lost) {
         snprintf(indicated, sizeof indicated, "; %zu others are not solved by their model",
                  num_lost);
     else if (!isnan(round->indicated))
-        snprintf(indicated, sizeof indicated, "; others are indicated to be up to %.2g off",
+        snprintf(indicated, sizeof indicated, "; estimated errors of the other points: up to %.2g",
                  round->indicated);
     program_note(self->caller, "round %zu: %zu points%s%s, %.1f s", self->num_rounds,
                  round->num_points, found, indicated, round->seconds);
@@ -719,8 +719,9 @@ static ehd_status report(const adaptive *self, size_t allowed_failures, ehd_erro
            self->set->num_points, last->num_points, self->num_rounds,
            program_seconds() - self->started);
     if (isfinite(last->indicated))
-        printf("films of the others indicated to be at most %.2g off, with podbuild --energy %g\n",
-               last->indicated, self->settings->discarded_energy);
+        printf(
+            "estimated film errors of the other points: at most %.2g, with podbuild --energy %g\n",
+            last->indicated, self->settings->discarded_energy);
     if (is_checked(self))
         printf("checked on the last %zu points before they were trained on: central film at most "
                "%.2g off, minimum film %.2g\n",

@@ -200,9 +200,9 @@ static void print_parts(const char *head, double model, double step, double inle
 
     if (isnan(step) && isnan(inlet)) return;
     printf("%-24s", head);
-    print_part(&separator, "the model", model, "coarse");
-    print_part(&separator, "the grid", step, "coarse");
-    print_part(&separator, "the inlet", inlet, isinf(step) ? "coarse" : "short");
+    print_part(&separator, "model", model, "coarse");
+    print_part(&separator, "grid", step, "coarse");
+    print_part(&separator, "inlet", inlet, isinf(step) ? "coarse" : "short");
     putchar('\n');
 }
 
@@ -239,7 +239,7 @@ static void print_heating(const ehd_contact *contact) {
 }
 
 void result_print(const run_result *result, const ehd_contact *contact) {
-    const char *const of_this = "  of this, about";
+    const char *const errors = "  estimated error";
     const double film = contact_film_scale(contact) * 1e6; // µm
     const double width = contact->half_width * 1e6;
     const double pressure = isnan(contact->load) ? NAN : contact->hertz_pressure * 1e-9;
@@ -250,10 +250,10 @@ void result_print(const run_result *result, const ehd_contact *contact) {
     grid_print_equations(contact);
     grid_print(contact, "this M and L");
     print_value("central film thickness", result->scalars.central_film_thickness, film, "µm");
-    print_parts(of_this, result->indicated_deviation, effects.of[EFFECT_STEP],
+    print_parts(errors, result->indicated_deviation, effects.of[EFFECT_STEP],
                 effects.of[EFFECT_INLET]);
     print_value("minimum film thickness", result->scalars.minimum_film_thickness, film, "µm");
-    print_parts(of_this, result->indicated_deviation_minimum, effects.of[EFFECT_STEP_MINIMUM],
+    print_parts(errors, result->indicated_deviation_minimum, effects.of[EFFECT_STEP_MINIMUM],
                 effects.of[EFFECT_INLET_MINIMUM]);
     print_heating(contact);
     print_value("central pressure", result->scalars.central_pressure, pressure, "GPa");
@@ -263,7 +263,7 @@ void result_print(const run_result *result, const ehd_contact *contact) {
                 contact->kind->dimensions > 1 ? "N" : "N/m");
     if (result->traction) {
         traction_print(result->traction, contact, &effects);
-        print_parts("  of rolling, about", NAN, effects.of[EFFECT_STEP_ROLLING],
+        print_parts("  error of rolling", NAN, effects.of[EFFECT_STEP_ROLLING],
                     effects.of[EFFECT_INLET_ROLLING]);
     }
     printf("%-24s%zu, residual %.1e\n", "Newton iterations", result->newton_iterations,

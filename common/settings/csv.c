@@ -218,16 +218,17 @@ static ehd_status read_header(csv_file *self, ehd_error *error) {
     self->units = calloc(room, sizeof *self->units);
     self->fields = malloc(room * sizeof *self->fields);
     if (!self->names || !self->units || !self->fields) return ehd_no_memory(error, self->path);
-    for (char *field; (field = next_field(&record, self->separator));) {
-        self->units[self->width] = take_unit(field);
+    for (char *field; (field = next_field(&record, self->separator));)
         self->names[self->width++] = field;
-    }
     if (self->stream) { // the next rows must not overwrite the names
         self->header = self->text;
         self->text = NULL;
         self->at = self->length = self->room = 0;
     }
-    return check_once(self, error);
+    const ehd_status once = check_once(self, error); // of names with their units
+    for (size_t i = 0; i < self->width && !once; i++)
+        self->units[i] = take_unit(self->names[i]);
+    return once;
 }
 
 static const char byte_order_mark[] = "\xef\xbb\xbf";
@@ -344,15 +345,18 @@ static ehd_status find_column(int *place_of, const csv_file *self, const table_c
     char shown[SHOWN_TEXT], all[NAMES_TEXT];
     const int none = rank_of("", column->names); // the rank of any name that is not in the list
     int best = none, count = 0;
+    bool again = false; // two columns have the best name, with different units
     *place_of = NO_COLUMN;
     for (size_t i = 0; i < self->width; i++) {
         const int rank = rank_of(self->names[i], column->names);
         count += rank < none;
+        if (rank == best && rank < none) again = true;
         if (rank >= best) continue;
+        again = false;
         best = rank;
         *place_of = (int)i;
     }
-    const bool several = column->alone && count > 1;
+    const bool several = again || (column->alone && count > 1);
     if (!several && (count > 0 || column->optional)) return EHD_OK;
     table_show_names(shown, column->names);
     table_show_columns(all, self->names, self->width);

@@ -231,6 +231,9 @@ static ehd_status check_needed(const scene_source *source, ehd_error *error) {
     if (!first->key) return EHD_OK;
     for (const setting *row = first; row->key; row++)
         if (is_missing(row, of) && same_reason(row, first)) count_key(&count, row, of);
+    if (count.all == 1 && first->choices)
+        return place_fail(error, place_of_file(source), "%s: found nothing, expected %s",
+                          count.missing, first->choices);
     if (!first->when[0].key)
         return place_fail(error, place_of_file(source), "%s: found nothing, expected a value",
                           count.missing);

@@ -418,7 +418,24 @@ static size_t edit_distance(const char *left, const char *right) {
 }
 
 /* Words that a user may write for the last part of a key, each with the last part that is meant. */
-static const char *const synonyms[][2] = {{"velocity", "speed"}, {"force", "load"}};
+static const char *const synonyms[][2] = {{"velocity", "speed"},
+                                          {"u", "speed"},
+                                          {"v", "speed"},
+                                          {"force", "load"},
+                                          {"F", "load"},
+                                          {"Fn", "load"},
+                                          {"w", "load"},
+                                          {"R", "radius"},
+                                          {"E", "modulus"},
+                                          {"young", "modulus"},
+                                          {"youngs_modulus", "modulus"},
+                                          {"elasticity", "modulus"},
+                                          {"eta", "viscosity"},
+                                          {"eta0", "viscosity"},
+                                          {"mu", "viscosity"},
+                                          {"srr", "slide_roll"},
+                                          {"SRR", "slide_roll"},
+                                          {"slip", "slide_roll"}};
 
 /* Returns the setting that is meant by a key whose last part is a synonym: "physical.speed" for
  * "physical.velocity". Returns NULL if there is no such setting. */

@@ -31,7 +31,7 @@ setup() {
     [[ $(head -n 1 report.txt) =~ ^([0-9]+)" points of 153, "([0-9]+)" converged, "([0-9]+)" rounds, " ]]
     points=${BASH_REMATCH[1]} rounds=${BASH_REMATCH[3]}
     ((points == BASH_REMATCH[2] && points < 100 && rounds > 2))
-    [[ $(sed -n 2p report.txt) == "films of the others indicated to be at most "* ]]
+    [[ $(sed -n 2p report.txt) == "estimated film errors of the other points: at most "* ]]
     [[ $(sed -n 3p report.txt) =~ ^"checked on the last "[0-9]+" points before they were trained on: central film at most " ]]
     [ "$(grep -c "^snapgen: round [0-9]*: [0-9]* points" notes.txt)" -eq "$rounds" ]
     /usr/bin/python3 - "$points" "$rounds" <<'PYTHON'

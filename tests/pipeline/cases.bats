@@ -37,7 +37,7 @@ judged() {
     fullrun base.yml --grid-of c.h5 -o f.h5 -q "${oil[@]}" --allow-untrusted
     close_to "$(number x.h5 central_film_thickness)" "$(number f.h5 central_film_thickness)" 1e-6
     printf '%s\n' moes.M,moes.L,lubricant.viscosity.law,lubricant.viscosity.eta0 12,5,roelands,0.04 >cases.csv
-    judged 4 "1 not to be trusted" cases base.yml cases.csv --model c.h5 -o t.csv
+    judged 4 "not to be trusted: 1" cases base.yml cases.csv --model c.h5 -o t.csv
     grep -q "$reason" t.csv
 }
 
@@ -157,18 +157,18 @@ PYTHON
 
 @test "--cases: the exit code is that of the worst, and every scene is a row" {
     printf 'moes.M,moes.L\n10,3\n40,3\n12,5\n' >some.csv
-    judged 4 "some.csv:3: found 0 of 3 scenes not converged and 1 not to be trusted" base.yml --cases some.csv --model c.h5 -o t.csv
+    judged 4 "some.csv:3: scenes: 3, not converged: 0, not to be trusted: 1" base.yml --cases some.csv --model c.h5 -o t.csv
     [ "$(cut -d, -f3 t.csv | paste -sd' ')" = "status 0 4 0" ]
     grep -q '^40,3,4,.*,outside of the trained range' t.csv
     romrun base.yml --cases some.csv --model c.h5 -o t.csv --quiet --force --allow-untrusted >/dev/null
     # far outside of the training nothing converges: the row has NaN
     printf 'moes.M,moes.L\n40,3\n1000,12\n12,5\n' >bad.csv
-    judged 3 "bad.csv:3: found 1 of 3 scenes not converged and 1 not to be trusted" base.yml --cases bad.csv --model c.h5 -o u.csv --allow-untrusted
+    judged 3 "bad.csv:3: scenes: 3, not converged: 1, not to be trusted: 1" base.yml --cases bad.csv --model c.h5 -o u.csv --allow-untrusted
     grep -q '^1000,12,1,1000,12,.*,nan,nan,nan,nan,nan,nan,' u.csv
     # a model that was never checked: each row is flagged
-    judged 4 "3 not to be trusted" base.yml --cases some.csv --model m.h5 -o v.csv
+    judged 4 "not to be trusted: 3" base.yml --cases some.csv --model m.h5 -o v.csv
     # the limits are the same as for one scene
-    judged 4 "some.csv:2: found 0 of 3 .* 3 not to be trusted" base.yml --cases some.csv --model c.h5 -o w.csv --accuracy-of pressure=1e-12
+    judged 4 "some.csv:2: scenes: 3, not converged: 0, not to be trusted: 3" base.yml --cases some.csv --model c.h5 -o w.csv --accuracy-of pressure=1e-12
 }
 
 # bad_table CODE MESSAGE TABLE [OPTION...]: checks that romrun refuses TABLE.csv.
@@ -229,7 +229,7 @@ assert rows("plain") == [{key: text for key, text in row.items() if key != "name
 PYTHON
     # quoted names may have line breaks; the message counts lines of the table
     printf 'name,moes.M,moes.L\n"a\n\nb",10,3\n,40,3\n' >lines.csv
-    judged 4 "lines.csv:5: found 0 of 2 scenes not converged and 1 not to be trusted" base.yml --cases lines.csv --model c.h5 -o l.csv
+    judged 4 "lines.csv:5: scenes: 2, not converged: 0, not to be trusted: 1" base.yml --cases lines.csv --model c.h5 -o l.csv
     printf 'moes.M;moes.L\n10,5,2;3\n' >comma.csv
     bad_table 65 "comma.csv:2: moes.M: found 10,5,2, expected a number" comma
     printf 'moes.M,moes.L\n10,3\n"12,5\n13,4\n' >open.csv
@@ -310,7 +310,7 @@ PYTHON
     # a row that was partly written is solved again; the message counts the first bad row from the beginning of the
     # whole table
     printf 'moes.M,moes.L\n10,3\n40,3\n12,5\n40,4\n' >bad.csv
-    judged 4 "bad.csv:3: .* 2 not to be trusted" base.yml --cases bad.csv --model c.h5 -o b.csv
+    judged 4 "bad.csv:3: .* not to be trusted: 2" base.yml --cases bad.csv --model c.h5 -o b.csv
     romrun base.yml --cases many.csv --model c.h5 -o x.csv --quiet --force >/dev/null
     stop_when INT 'bytes 400000' t.csv romrun base.yml --cases many.csv --model c.h5 -o t.csv --quiet --jobs 1 --force
     [ "$code" -ne 0 ]

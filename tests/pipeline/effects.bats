@@ -82,11 +82,11 @@ within() {
 @test "romrun prints them below each film" {
     run romrun --allow-untrusted scene.yml --set discretization=published --model published.h5
     [ "$status" -eq 0 ]
-    [[ $output =~ "central film thickness"[^$'\n']*$'\n'"  of this, about        the grid "[0-9.]*" %, the inlet "[0-9.]*" %"$'\n'"minimum film"[^$'\n']*$'\n'"  of this, about        the grid "[0-9.]*" %, the inlet "[0-9.]*" %"$'\n' ]]
+    [[ $output =~ "central film thickness"[^$'\n']*$'\n'"  estimated error       grid "[0-9.]*" %, inlet "[0-9.]*" %"$'\n'"minimum film"[^$'\n']*$'\n'"  estimated error       grid "[0-9.]*" %, inlet "[0-9.]*" %"$'\n' ]]
     # the effects are also printed outside of the training; the result is flagged as usual
     run romrun scene.yml --set discretization=published --model published.h5 --set moes.M=45
     [ "$status" -eq 4 ]
-    [[ $output == *"of this, about"* ]]
+    [[ $output == *"estimated error"* ]]
 }
 
 # bats test_tags=slow
@@ -98,11 +98,11 @@ within() {
     romrun --allow-untrusted "${options[@]}" --model published.h5 --set output.resolution=false -o b.h5 >b
     romrun --allow-untrusted "${options[@]}" --model published.h5 -o c.h5 >c
     for file in a b; do
-        run -1 grep "of this" $file
+        run -1 grep "estimated error" $file
         shows_no effect romrun --print $file.h5
         [ "$(number $file.h5 central_film_thickness)" = "$(number c.h5 central_film_thickness)" ]
     done
-    [ "$(grep -c "of this" c)" -eq 2 ]
+    [ "$(grep -c "estimated error" c)" -eq 2 ]
 }
 
 @test "a grid of which only half would be left says nothing of the films" {
@@ -124,7 +124,7 @@ YAML
     [[ $stderr == *"too coarse to estimate its error"* ]]
     run romrun --allow-untrusted "${options[@]}" --model coarse.h5 -o x.h5
     [ "$status" -eq 0 ]
-    [ "$(grep -c "of this, about        the grid too coarse to tell, the inlet 0.0" <<<"$output")" -eq 2 ]
+    [ "$(grep -c "estimated error       grid too coarse to tell, inlet 0.0" <<<"$output")" -eq 2 ]
     shows_no step_effect romrun --print x.h5
     grep -q inlet_effect <(romrun --print x.h5)
 }

@@ -57,7 +57,7 @@ PYTHON
     [ "${#stderr_lines[@]}" -eq 1 ]
     [[ $output =~ "solved by               the full model, from the reduced solution, in "[0-9.]+" ms of these" ]]
     # the error estimates of inlet and step are those of the full model; the deviation of the reduced model is 0
-    [ "$(grep -c "^  of this, about        the model 0 %, the grid " <<<"$output")" -eq 2 ]
+    [ "$(grep -c "^  estimated error       model 0 %, grid " <<<"$output")" -eq 2 ]
     [[ $output =~ "central film thickness "[^$'\n']*" against "[^$'\n']*[+-]"0.0000 permille" ]]
     [[ $output == *"full residual"* ]]
     same_contact x.h5 full.h5

@@ -594,6 +594,10 @@ static void wrong_units_of_tables_are_refused(void **state) {
     refuses_with(EHD_DATA,
                  "load: {law: table, file: units.csv, column: G, unit: mm, interpolation: linear}",
                  "transient.load.unit: found mm, expected factor, N/m, N/mm, kN/m");
+    write_file("units.csv", "T,F [N/mm],F [N/m]\n0,1,1\n2,2,3\n");
+    refuses_with(EHD_DATA, "load: {law: table, file: units.csv, column: F, interpolation: linear}",
+                 "units.csv:1: found the columns T, F, F, expected only one column F");
+    write_file("units.csv", "T,F [N/mm],G\n0,1,1\n2,2,3\n");
     refuses_with(EHD_DATA,
                  "time: {unit: ms}, load: {law: table, file: units.csv, column: G, interpolation: "
                  "linear}",

@@ -323,7 +323,7 @@ static const struct {
     {SET, "lubricant.viscosity.law=barus",
      "s.yml:5: lubricant.viscosity.preset: found a value, expected none with the law barus (--set "
      "lubricant.viscosity.preset= unsets it)"},
-    {SET, "contact=", "s.yml: contact: found nothing, expected a value"},
+    {SET, "contact=", "s.yml: contact: found nothing, expected line|point|ellipse"},
     {SET, "moes.N=", "--set: moes.N: found an unknown key"},
     {SET, "moes=", "--set: moes: found a value, expected keys below it"},
     // keys that regime or closure need but do not have, or that they ignore
