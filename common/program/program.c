@@ -12,6 +12,7 @@
 #include <gsl/gsl_version.h>
 #include <locale.h>
 #include <math.h>
+#include <poll.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -763,9 +764,17 @@ void program_start(program *self, int argc, char **argv, const program_options *
     }
 }
 
+/* Checks whether stdout is a pipe that nobody reads any more, as with `| head`. */
+static bool has_no_reader(void) {
+    struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
+
+    return poll(&out, 1, 0) > 0 && (out.revents & POLLERR) != 0;
+}
+
 int program_finish(program *self, ehd_status status, const ehd_error *error) {
     const bool unflushed = fflush(stdout) != 0;
-    const bool lost = ferror(stdout) || unflushed; // an earlier write may have failed already
+    // an earlier write may have failed already
+    const bool lost = (ferror(stdout) || unflushed) && !has_no_reader();
     if (status != EHD_OK && error && *error->text) print_line(self, error->text);
     if (lost && status < EHD_USAGE) {
         print_line(self, "stdout: found a failed write, expected to print the result");

@@ -43,6 +43,9 @@ PYTHON
     refused 65 "cut.h5: " romrun --print cut.h5 x
     refused 64 "--print: found --check too" fullrun --check r.h5 --print r.h5
     refused 64 "--print" fullrun --print
+    # a reader that has seen enough is no failure
+    run -0 bash -o pipefail -c 'fullrun --print r.h5 x pressure film_thickness | head -n 1'
+    [ "$output" = x,pressure,film_thickness ]
     run bash -c 'fullrun --print r.h5 x >/dev/full'
     [[ $status == 74 && $output == "fullrun: stdout: "* ]]
 }
