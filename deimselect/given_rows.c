@@ -52,6 +52,10 @@ ehd_status given_rows_read(given_rows *self, const char *path, const reduced_bas
 
     *self = (given_rows){0};
     ehd_status status = table_read(path, columns, 2, &self->count, error);
+    for (size_t c = 0; c < 2 && !status; c++)
+        if (*columns[c].unit)
+            status = ehd_fail(error, EHD_DATA, "%s: found the unit %s, expected no unit", path,
+                              columns[c].unit);
     self->factors = columns[1].values;
     if (!status)
         status = reduced_check_num_rows(self->count, basis->num_pressure, basis->num_deformation,

@@ -296,5 +296,5 @@ int main(int argc, char **argv) {
         .min_arguments = 1,
         .max_arguments = 1,
         .needs_output = true};
-    return output_main(argc, argv, &options, run, training_check);
+    return output_main(argc, argv, &options, run, training_check, NULL);
 }

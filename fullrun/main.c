@@ -603,5 +603,5 @@ int main(int argc, char **argv) {
                                      .help_tail = print_settings,
                                      .min_arguments = 1,
                                      .max_arguments = 1};
-    return output_main(argc, argv, &options, run, NULL);
+    return output_main(argc, argv, &options, run, NULL, NULL);
 }

@@ -17,6 +17,7 @@
 #include "romrun/calibrate/against.h"
 #include "romrun/calibrate/calibrate.h"
 #include "romrun/calibrate/cases.h"
+#include "romrun/calibrate/describe_model.h"
 #include "romrun/calibrate/fallback.h"
 #include "romrun/calibrate/fallback_march.h"
 #include "romrun/calibrate/reduced_result.h"
@@ -124,7 +125,10 @@ static bool falls_back(const romrun_options *options) {
 }
 
 /* Returns a text about options that help if a result is not trusted. */
-static const char *advice(const romrun_options *options) {
+static const char *advice(const run_result *result, const romrun_options *options) {
+    if (result &&
+        strcmp(result->reason, impossible_friction) == 0) // the full model has the same friction
+        return " (--allow-untrusted takes it all the same)";
     return falls_back(options) ? ""
                                : " (--fallback full has the full model solve it, --allow-untrusted "
                                  "takes it all the same)";
@@ -137,7 +141,7 @@ static ehd_status judge(const run_result *result, const romrun_options *options,
     if (result->status)
         return ehd_fail(error, result->status, "%s: found %s, expected %s%s", path, result->reason,
                         result->status == EHD_UNTRUSTED ? "a result to be trusted" : "convergence",
-                        result->status == EHD_UNTRUSTED ? advice(options) : "");
+                        result->status == EHD_UNTRUSTED ? advice(result, options) : "");
     return EHD_OK;
 }
 
@@ -519,7 +523,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                     .resume = options->resume,
                                     .again = again,
                                     .allow_untrusted = options->allow_untrusted,
-                                    .advice = again == AGAIN_IF_POOR ? NULL : advice(options),
+                                    .advice = again == AGAIN_IF_POOR ? NULL : advice(NULL, options),
                                     .untrusted = mixed ? NULL : unchecked,
                                     .share = mixed ? fallback_march_share : NULL};
         status = time_run(options->against ? &trace : NULL, &task, error);
@@ -843,6 +847,7 @@ static ehd_status solve_cases(case_list *list, const program *self, const romrun
 
     if (!status) status = cases_solve(&found, list, &task, error);
     if (!status) show_cases(&found, self);
+    if (!status) traction_warn(self, found.max_friction);
     if (!status) status = judge_cases(&found, options, list, error);
     free(scene_lines);
     free(text);
@@ -957,5 +962,5 @@ int main(int argc, char **argv) {
                "romrun MODE --help shows the options of a mode: romrun cases --help.",
         .help_tail = print_settings,
         .modes = modes};
-    return output_main(argc, argv, &options, run, check);
+    return output_main(argc, argv, &options, run, check, model_describe);
 }

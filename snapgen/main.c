@@ -111,16 +111,14 @@ static void print_settings(void) {
 /* Warns of the first point with an implausible quantity, and names the quantity. */
 static void warn_implausible(const program *self, const training_set *set, const plan *given) {
     char text[PLAUSIBLE_TEXT], name[POINT_NAME];
+    size_t p = 0;
 
-    for (size_t p = 0; p < set->num_points; p++)
-        for (size_t i = 0; i < plausible_count(); i++) {
-            const ehd_contact *contact = &set->contacts[p];
-            const scene *of = &given->points[set->numbers[p]].scene;
-            if (scene_judge(text, i, contact, of) == PLAUSIBLE) continue;
-            training_point_name(name, contact);
-            program_warn(self, "%s: point %s: %s", self->arguments[0], name, text);
-            return;
-        }
+    while (p < set->num_points &&
+           scene_judge(text, &set->contacts[p], &given->points[set->numbers[p]].scene) == PLAUSIBLE)
+        p++;
+    if (p == set->num_points) return;
+    training_point_name(name, &set->contacts[p]);
+    program_warn(self, "%s: point %s: %s", self->arguments[0], name, text);
 }
 
 /* Reads the plan and makes its points. Also sets `adaptive` if the plan has a region. */
@@ -403,5 +401,5 @@ int main(int argc, char **argv) {
                                      .min_arguments = 1,
                                      .max_arguments = SIZE_MAX,
                                      .needs_output = true};
-    return output_main(argc, argv, &options, run, training_check);
+    return output_main(argc, argv, &options, run, training_check, NULL);
 }

@@ -49,12 +49,9 @@ ehd_status scene_describe(const program *caller, ehd_error *error) {
     if (status) return ehd_fail(error, status, "%s: %s", path, cause.text);
     contact.slide_roll = scene_slide_roll(&given);
     print_quantities(&contact);
-    for (size_t i = 0; i < plausible_count(); i++) {
-        char text[PLAUSIBLE_TEXT];
-        const plausibility found = scene_judge(text, i, &contact, &given);
-        if (found == IMPLAUSIBLE) program_warn(caller, "%s: %s", path, text);
-        if (found == IMPOSSIBLE && !status)
-            status = ehd_fail(error, EHD_DATA, "%s: %s", path, text);
-    }
+    char text[PLAUSIBLE_TEXT];
+    const plausibility found = scene_judge(text, &contact, &given);
+    if (found == IMPLAUSIBLE) program_warn(caller, "%s: %s", path, text);
+    if (found == IMPOSSIBLE) status = ehd_fail(error, EHD_DATA, "%s: %s", path, text);
     return status;
 }

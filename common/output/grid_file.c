@@ -322,10 +322,8 @@ ehd_status contact_load(ehd_contact *contact, const scene *given, const program 
 
     if (!status) status = scene_contact(contact, given, &cause);
     if (status) return ehd_fail(error, status, "%s: %s", caller->arguments[0], cause.text);
-    for (size_t i = 0; i < plausible_count(); i++) {
-        char text[PLAUSIBLE_TEXT];
-        if (scene_judge(text, i, contact, given) != PLAUSIBLE)
-            program_warn(caller, "%s: %s", caller->arguments[0], text);
-    }
+    char text[PLAUSIBLE_TEXT];
+    if (scene_judge(text, contact, given) != PLAUSIBLE)
+        program_warn(caller, "%s: %s", caller->arguments[0], text);
     return EHD_OK;
 }

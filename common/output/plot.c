@@ -4,16 +4,18 @@
 #include "common/program/output_file.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <spawn.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 extern char **environ;
 
-enum { MOST_COLUMNS = 2 };
+enum { MOST_COLUMNS = 2, LINE = 512 };
 
 /* Finds the script beside the build or the installation that the program belongs to. */
 static ehd_status find_script(char script[PATH_MAX], ehd_error *error) {
@@ -45,41 +47,46 @@ static const char *format_of(const char *output) {
     return NULL;
 }
 
-/* Reads the first line that the script writes to the pipe, without its end. */
-static void read_line(char line[256], int from) {
+/* Reads the last line that the script writes to the pipe, without its end. A longer line is cut. */
+static void read_line(char line[LINE], int from) {
     FILE *stream = fdopen(from, "r");
-    char rest[256];
+    char *next = NULL;
+    size_t room = 0;
 
     *line = '\0';
-    if (!stream) return;
-    if (!fgets(line, 256, stream)) *line = '\0';
-    line[strcspn(line, "\n")] = '\0';
-    while (fgets(rest, sizeof rest, stream)) // the script must not wait for a reader
-        ;
+    if (!stream) {
+        close(from);
+        return;
+    }
+    while (getline(&next, &room, stream) > 0)
+        if (*next != '\n') snprintf(line, LINE, "%.*s", (int)strcspn(next, "\n"), next);
+    free(next);
     fclose(stream);
 }
 
-/* Runs a command with its output into `picture`. Returns the status that its exit code stands for. */
+/* Runs a command with its output into `picture`. Returns the status that its exit code stands for.
+ * */
 static ehd_status run(char *const command[], FILE *picture, const char *path, ehd_error *error) {
     posix_spawn_file_actions_t actions;
     int ends[2], outcome = 0;
-    char line[256];
+    char line[LINE];
     pid_t process;
 
-    if (pipe(ends)) return ehd_fail(error, EHD_IO, "--plot: found no pipe, expected one");
+    if (pipe2(ends, O_CLOEXEC)) return ehd_fail(error, EHD_IO, "--plot: cannot create a pipe");
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, fileno(picture), STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
-    posix_spawn_file_actions_addclose(&actions, ends[0]);
     const int failure = posix_spawnp(&process, command[0], &actions, NULL, command, environ);
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
     read_line(line, ends[0]);
     if (failure)
-        return ehd_fail(error, EHD_UNAVAILABLE, "--plot: found no %s (%s), expected it", command[0],
+        return ehd_fail(error, EHD_UNAVAILABLE, "--plot: cannot run %s: %s", command[0],
                         strerror(failure));
-    if (waitpid(process, &outcome, 0) < 0 || !WIFEXITED(outcome))
-        return ehd_fail(error, EHD_INTERNAL, "%s: found that the script did not end", path);
+    while (waitpid(process, &outcome, 0) < 0 && errno == EINTR)
+        ;
+    if (!WIFEXITED(outcome))
+        return ehd_fail(error, EHD_INTERNAL, "%s: the script of --plot was ended", path);
     const int code = WEXITSTATUS(outcome);
     if (code == 0) return EHD_OK;
     const bool known = code == EHD_DATA || code == EHD_NOINPUT || code == EHD_UNAVAILABLE;

@@ -6,6 +6,7 @@
 #include "common/output/time_result.h"
 #include "common/output/traction_output.h"
 #include "common/settings/part_list.h"
+#include "common/settings/scene_contact.h"
 #include "common/time/apart.h"
 #include "common/time/surface.h"
 
@@ -34,7 +35,7 @@ typedef struct run_totals {
     double effect_squares, max_effect, max_effect_minimum;
     double max_indicated, max_indicated_minimum; // error estimates of both films; NaN: unknown
     double max_inlet, time_of_inlet;             // largest effect of the inlet, and its T
-    double max_friction;                         // divided by the reference load
+    double max_friction;                         // largest friction coefficient
 } run_totals;
 
 /* Offsets in a restart slot, counted in doubles. */
@@ -180,12 +181,14 @@ static double larger(double a, double b) {
     return isnan(a) || isgreater(a, b) ? a : b;
 }
 
-/* Notes the friction of a step, divided by the reference load. Returns false if no lubricant carries
- * it. The result is then not trusted. */
-static bool judge_friction(runner *self, double time, double friction) {
-    const bool possible = !isgreater(fabs(friction), possible_friction);
+/* Notes the friction of a step, divided by the load. Returns false if the friction exceeds the
+ * load. The result is then not trusted. Below a tenth of the reference load the friction is divided
+ * by this tenth, because bodies that are nearly apart have more friction than load. */
+static bool judge_friction(runner *self, double time, double friction, double load) {
+    const double coefficient = fabs(friction) / fmax(load, 0.1);
+    const bool possible = !isgreater(coefficient, possible_friction);
 
-    self->totals.max_friction = fmax(self->totals.max_friction, fabs(friction));
+    self->totals.max_friction = fmax(self->totals.max_friction, coefficient);
     if (!possible && isnan(self->march.state.untrusted_since)) {
         self->march.state.untrusted_since = time;
         snprintf(self->march.untrusted, MARCH_REASON, "%s", impossible_friction);
@@ -222,8 +225,8 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
             tractions = contact_traction_of(&frame, self->pressure, self->film, &step->scalars);
         tractions = frame_traction_to_reference(tractions, &step->frame);
     }
-    const bool trusted =
-        judge_friction(self, step->frame.time, tractions.friction) && !self->task->untrusted;
+    const bool trusted = judge_friction(self, step->frame.time, tractions.friction, scalars.load) &&
+                         !self->task->untrusted;
     const time_entry entry = {.time = step->frame.time,
                               .scalars = scalars,
                               .contact_half_width = step->frame.half_width,
@@ -492,6 +495,44 @@ static ehd_status conclude(runner *self, ehd_status outcome, ehd_error *error) {
     return judge(self, outcome, error);
 }
 
+/* Judges the contact at the largest factor of each history, because a table in a wrong unit makes
+ * all factors too large or too small. Returns EHD_DATA for an impossible contact. */
+static ehd_status judge_histories(const time_run_task *task, const ehd_histories *histories,
+                                  ehd_error *error) {
+    enum { NUM_TIMES = 200 };
+    double largest[NUM_VARY] = {0}, values[NUM_VARY];
+    const char *path = task->caller->arguments[0];
+
+    if (isnan(task->reference->load)) return EHD_OK;
+    for (int i = 0; i <= NUM_TIMES; i++) {
+        histories_at(values, histories, task->given->transient.end_time * i / NUM_TIMES);
+        for (int q = 0; q < NUM_VARY; q++)
+            largest[q] = fmax(largest[q], fabs(values[q]));
+    }
+    for (int q = 0; q < VARY_APPROACH; q++) {
+        char text[PLAUSIBLE_TEXT];
+        ehd_contact contact;
+        scene of = *task->given;
+        double *const scaled[] = {[VARY_LOAD] = &of.physical.load,
+                                  [VARY_SPEED] = &of.physical.speed,
+                                  [VARY_RADIUS] = &of.physical.radius,
+                                  [VARY_MODULUS] = &of.physical.modulus};
+        of.physical.speed = scene_speed(task->given);
+        *scaled[q] *= largest[q];
+        const bool moves = largest[q] > 0 && largest[q] != 1;
+        if (!moves || scene_contact_derive(&contact, &of, NULL)) continue;
+        const plausibility found = scene_judge(text, &contact, &of);
+        if (found == IMPOSSIBLE)
+            return ehd_fail(error, EHD_DATA,
+                            "%s: transient.%s: found at most %.3g times the reference, where %s",
+                            path, vary_names[q], largest[q], text);
+        if (found == IMPLAUSIBLE)
+            program_warn(task->caller, "%s: transient.%s: found up to %.3g times the reference: %s",
+                         path, vary_names[q], largest[q], text);
+    }
+    return EHD_OK;
+}
+
 static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *error) {
     const time_run_task *task = self->task;
     const ehd_grid *grid = &task->reference->grid;
@@ -500,6 +541,7 @@ static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *er
     ehd_status status =
         (task->models ? histories_init_forward : histories_init)(histories, task->given, error);
 
+    if (!status) status = judge_histories(task, *histories, error);
     if (status) return status;
     const char *table = histories_without_unit(*histories);
     if (table)

@@ -85,7 +85,7 @@ void traction_print(const contact_traction *traction, const ehd_contact *contact
 void traction_warn(const program *caller, double friction) {
     if (isgreater(fabs(friction), usual_friction))
         program_warn(caller,
-                     "%s: friction coefficient: found %.3g, expected at most %g: does "
-                     "lubricant.shear.law hold?",
+                     "%s: friction coefficient: found %.3g, expected at most %g (check "
+                     "lubricant.shear.law)",
                      caller->arguments[0], friction, usual_friction);
 }

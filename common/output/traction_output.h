@@ -33,7 +33,7 @@ ehd_status traction_put_stresses(artefact *file, size_t index, const ehd_contact
 void traction_print(const contact_traction *traction, const ehd_contact *contact,
                     const film_effects *effects); // error estimates of the grid
 
-/* Warns of a friction, divided by the load, above usual_friction. */
+/* Warns of a friction coefficient above usual_friction. */
 void traction_warn(const program *caller, double friction);
 
 #endif

@@ -287,6 +287,7 @@ typedef struct contact_settings {
     double radius_across;  // m, for an ellipse; NaN: from the ellipticity
     double ellipticity;    // b/a of an ellipse; not used with radius_across
     double speed;          // m/s, mean of the two surfaces
+    bool surface_speeds;   // the scene gives the speeds of both surfaces in place of their mean
     double modulus;        // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
     double viscosity;      // Pa s at zero pressure; NaN: the viscosity of the law
     double hertz_pressure; // Pa; NaN: follows from M, L and the lubricant

@@ -9,8 +9,7 @@
 #include <math.h>
 
 const double usual_friction = 0.2, possible_friction = 1;
-const char impossible_friction[] =
-    "a friction above the load, which no lubricant carries (lubricant.shear.law)";
+const char impossible_friction[] = "a friction above the load (check lubricant.shear.law)";
 
 bool contact_has_traction(const ehd_contact *contact) {
     return !isnan(contact->slide_roll) && !isnan(contact->half_width);

@@ -26,9 +26,9 @@ typedef struct contact_traction {
     double largest_stress;     // largest |tau|
 } contact_traction;
 
-/* Friction, divided by the reference load, above which a warning is printed, and above which a
- * result is not trusted. Measured friction coefficients of oils are below 0.15, and the shear stress
- * is below the pressure (S. Bair, W. O. Winer, ASME J. Lubrication Technology 101, 1979;
+/* Limits of the friction coefficient: programs warn above usual_friction, and do not trust a result
+ * above possible_friction. Measured friction coefficients of oils are below 0.15, and the shear
+ * stress is below the pressure (S. Bair, W. O. Winer, ASME J. Lubrication Technology 101, 1979;
  * plausible.bats, "friction above 0.2 is warned of"). */
 extern const double usual_friction, possible_friction;
 

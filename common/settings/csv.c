@@ -193,7 +193,8 @@ static char separator_of(const char *header) {
     return ',';
 }
 
-/* Cuts off the unit in brackets or parentheses at the end of a name. Returns the unit, or NULL. */
+/* Cuts off the unit in brackets or parentheses at the end of a name. Returns the unit; NULL: there
+ * is none, or it is "1" or "-". */
 static char *take_unit(char *name) {
     const size_t length = strlen(name);
     const char last = length > 0 ? name[length - 1] : '\0';
@@ -203,7 +204,7 @@ static char *take_unit(char *name) {
     name[length - 1] = *open = '\0';
     for (char *end = open; end > name && strchr(" \t", end[-1]);)
         *--end = '\0';
-    return open + 1;
+    return strcmp(open + 1, "-") == 0 || strcmp(open + 1, "1") == 0 ? NULL : open + 1;
 }
 
 static ehd_status read_header(csv_file *self, ehd_error *error) {
@@ -294,16 +295,13 @@ size_t csv_count_rows(const csv_file *self) {
     return count_char(self->text + self->at, '\n') + 1;
 }
 
-/* Replaces a decimal comma by a point, if the text is a number and the columns are not separated by
- * commas. */
-static char *with_point(const csv_file *self, char *field) {
-    char *comma = self->separator == ',' ? NULL : strchr(field, ',');
+void csv_take_decimal_comma(const csv_file *self, size_t column) {
+    char *comma = self->separator == ',' ? NULL : strchr(self->fields[column], ',');
     double number;
 
-    if (!comma) return field;
+    if (!comma) return;
     *comma = '.';
-    if (!number_read(&number, field)) *comma = ',';
-    return field;
+    if (!number_read(&number, self->fields[column])) *comma = ',';
 }
 
 ehd_status csv_next_row(bool *found, csv_file *self, ehd_error *error) {
@@ -314,7 +312,7 @@ ehd_status csv_next_row(bool *found, csv_file *self, ehd_error *error) {
     *found = record != NULL;
     if (!record) return status;
     for (char *field; (field = next_field(&record, self->separator)); count++)
-        if (count < self->width) self->fields[count] = with_point(self, field);
+        if (count < self->width) self->fields[count] = field;
     if (count == self->width) return EHD_OK;
     return place_fail(error, self->where, "found %zu column%s, expected %zu as in the header",
                       count, count == 1 ? "" : "s", self->width);
@@ -370,6 +368,7 @@ static ehd_status read_row(table_column *columns, size_t num_columns, size_t row
     for (size_t c = 0; c < num_columns; c++) {
         if (places[c] == NO_COLUMN) continue;
         const char *field = self->fields[places[c]];
+        csv_take_decimal_comma(self, (size_t)places[c]);
         if (number_read(&columns[c].values[row], field)) continue;
         text_show(name, self->names[places[c]]);
         text_show(shown, field);

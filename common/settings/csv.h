@@ -2,8 +2,8 @@
 /* Reads tables of comma-separated values: a header with the names of the columns, then one row per
  * line. Commas separate the columns; semicolons or tabs do so if the header has no comma. A name or
  * value may stand in double quotes (RFC 4180) and may then span several lines. Spaces around fields
- * are dropped; blank lines and lines that start with # are skipped. Numbers may have a decimal comma
- * if another character separates the columns. */
+ * are dropped; blank lines and lines that start with # are skipped. Numbers may have a decimal
+ * comma if another character separates the columns. */
 #ifndef EHD_CSV_H
 #define EHD_CSV_H
 
@@ -68,6 +68,10 @@ ehd_status csv_next_row(
     ehd_error *error);
 
 enum { UNIT_TEXT = 32 }; // bytes, with the closing zero
+
+/* Replaces a decimal comma of a field by a point, if the field is a number and another character
+ * separates the columns. */
+void csv_take_decimal_comma(const csv_file *self, size_t column);
 
 /* A column to read from a table of numbers, CSV or HDF5 (artefact/table.h). */
 typedef struct table_column {

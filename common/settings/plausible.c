@@ -11,11 +11,16 @@
 // ---- quantities
 
 static double viscosity_of(const ehd_contact *contact) {
-    return isnan(contact->viscosity) ? contact->lubricant.eta0 : contact->viscosity;
+    return contact->viscosity;
 }
 
+/* Returns the pressure coefficient; NaN in a scene of M and L, whose results are dimensionless. */
 static double alpha_of(const ehd_contact *contact) {
-    return contact->lubricant.alpha;
+    return isnan(contact->load) ? NAN : contact->lubricant.alpha;
+}
+
+static double temperature_of(const ehd_contact *contact) {
+    return contact->lubricant.temperature;
 }
 
 /* Returns a ratio that exceeds 1/3 if the contact is not small compared with the bodies. */
@@ -45,9 +50,9 @@ static double film_of(const ehd_contact *contact) {
            contact->kind->central_film(&contact->grid.shape, contact->moes_M, contact->moes_L);
 }
 
-/* Returns the film over the larger half width. */
+/* Returns the film over the half width; of an ellipse over the geometric mean of a and b. */
 static double film_over_width(const ehd_contact *contact) {
-    return film_of(contact) / (contact->half_width * fmax(1, contact->grid.shape.ellipticity));
+    return film_of(contact) / (contact->half_width * sqrt(contact->grid.shape.ellipticity));
 }
 
 /* Hertz pressure above which a pressure coefficient below its usual range is implausible. At lower
@@ -62,7 +67,8 @@ static const struct quantity {
     double (*value)(const ehd_contact *contact); // NaN: not known
     double least, most, lowest, highest;
 } quantities[] = {{"viscosity at zero pressure", " Pa s", 1, viscosity_of, 1e-4, 100, 1e-5, 1000},
-                  {"pressure coefficient alpha", " 1/Pa", 1, alpha_of, 5e-9, 5e-8, 5e-10, 5e-7},
+                  {"pressure coefficient alpha", " 1/Pa", 1, alpha_of, 5e-9, 5e-8, 1e-10, 5e-7},
+                  {"temperature", " degC", 1, temperature_of, -60, 200, -100, 400},
                   {"half width over radius", "", 1, width_over_radius, 0, 1. / 3, 0, 1},
                   {"Hertz pressure", " GPa", 1e9, pressure_of, 0, 5e9, 0, 2e10},
                   {"M", "", 1, moes_M_of, MIN_MOES_M, MAX_MOES_M, MIN_MOES_M, MAX_MOES_M},
@@ -71,10 +77,6 @@ static const struct quantity {
                   {"film", " nm", 1e-9, film_of, 1e-9, INFINITY, 1e-10, INFINITY}};
 
 enum { NUM_QUANTITIES = sizeof quantities / sizeof *quantities };
-
-size_t plausible_count(void) {
-    return NUM_QUANTITIES;
-}
 
 /* Returns `limit`, or less: the Hertz pressure may not exceed the limit of the viscosity law. In a
  * scene of M and L this is its only limit, because the results are dimensionless. */
@@ -146,13 +148,13 @@ static size_t count_implausible(const contact_settings *given) {
 }
 
 /* Writes "is KEY = VALUE in UNIT?", or a question about a factor without a unit. */
-static void write_question(char *text, size_t size, const suspect *of, double typed, double factor,
+static void write_question(char *text, size_t size, const char *key, double typed, double factor,
                            const char *unit) {
     if (unit)
-        snprintf(text, size, ": is %s = %g in %s?", of->key, typed, unit);
+        snprintf(text, size, ": is %s = %g in %s?", key, typed, unit);
     else
-        snprintf(text, size, ": is %s = %g %g times too %s?", of->key, typed,
-                 fmax(factor, 1 / factor), factor > 1 ? "small" : "large");
+        snprintf(text, size, ": is %s = %g too %s by a factor of %g?", key, typed,
+                 factor > 1 ? "small" : "large", fmax(factor, 1 / factor));
 }
 
 /* Writes a question about the setting that is probably in another unit. This is the setting whose
@@ -160,7 +162,7 @@ static void write_question(char *text, size_t size, const suspect *of, double ty
  * that comes closest to its usual value. Writes "" if no change helps. */
 static void ask(char *text, size_t size, const contact_settings *given) {
     const bool line = given->kind->dimensions == 1;
-    size_t fewest = count_implausible(given);
+    size_t fewest = count_implausible(given) - 1;
     double nearest = 0; // decades by which the value comes closer to its usual value
 
     *text = '\0';
@@ -182,25 +184,24 @@ static void ask(char *text, size_t size, const contact_settings *given) {
         if (left > fewest || (left == fewest && nearer <= nearest) || nearer <= 0) continue;
         fewest = left;
         nearest = nearer;
-        write_question(text, size, of, typed, factor, unit);
+        const bool mean = value == &changed.speed && given->surface_speeds;
+        write_question(text, size, mean ? "the mean of physical.speed_1 and speed_2" : of->key,
+                       typed, factor, unit);
     }
 }
 
-plausibility plausible_judge(char text[PLAUSIBLE_TEXT], size_t index, const ehd_contact *contact,
-                             const contact_settings *given) {
-    const struct quantity *of = &quantities[index];
-    const plausibility found = judge(of, contact);
+/* Writes a line about a quantity that is not plausible. */
+static void write_line(char text[PLAUSIBLE_TEXT], const struct quantity *of, bool refused,
+                       const ehd_contact *contact, const contact_settings *given) {
     const double value = of->value(contact);
+    const double most = most_of(of, refused ? of->highest : of->most, contact);
+    const bool of_law = most == contact->lubricant.pressure_limit;
     char limit[80], width[48] = "", question[128];
 
-    if (found == PLAUSIBLE) return found;
-    const bool refused = found == IMPOSSIBLE;
-    const double most = most_of(of, refused ? of->highest : of->most, contact);
     if (value > most)
         snprintf(limit, sizeof limit, "at most %.3g%s%s%s", most / of->scale, of->unit,
-                 most == contact->lubricant.pressure_limit ? ", the limit of the law " : "",
-                 most == contact->lubricant.pressure_limit ? contact->lubricant.viscosity->name
-                                                           : "");
+                 of_law ? ", the limit of the law " : "",
+                 of_law ? contact->lubricant.viscosity->name : "");
     else
         snprintf(limit, sizeof limit, "at least %.3g%s",
                  (refused ? of->lowest : of->least) / of->scale, of->unit);
@@ -208,9 +209,21 @@ plausibility plausible_judge(char text[PLAUSIBLE_TEXT], size_t index, const ehd_
         snprintf(width, sizeof width, "half width %.3g mm, ", contact->half_width * 1e3);
     ask(question, sizeof question, given);
     snprintf(text, PLAUSIBLE_TEXT,
-             "%s: found %.3g%s, expected %s (%sp_H %.3g GPa, M = %.3g, L = "
-             "%.3g)%s",
-             of->name, value / of->scale, of->unit, limit, width, contact->hertz_pressure * 1e-9,
+             "%s: found %.3g%s, expected %s (%sp_H %.3g GPa, M = %.3g, L = %.3g)%s", of->name,
+             value / of->scale, of->unit, limit, width, contact->hertz_pressure * 1e-9,
              contact->moes_M, contact->moes_L, question);
-    return found;
+}
+
+plausibility plausible_judge(char text[PLAUSIBLE_TEXT], const ehd_contact *contact,
+                             const contact_settings *given) {
+    const struct quantity *first = quantities;
+    plausibility worst = PLAUSIBLE;
+
+    for (size_t i = 0; i < NUM_QUANTITIES; i++) {
+        const plausibility found = judge(&quantities[i], contact);
+        if (found > worst) first = &quantities[i];
+        if (found > worst) worst = found;
+    }
+    if (worst != PLAUSIBLE) write_line(text, first, worst == IMPOSSIBLE, contact, given);
+    return worst;
 }

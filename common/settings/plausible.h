@@ -15,16 +15,13 @@ typedef enum plausibility {
     IMPOSSIBLE   // so far outside that the scene is refused
 } plausibility;
 
-/* Number of quantities that plausible_judge checks. */
-size_t plausible_count(void);
-
-/* Judges one quantity of a contact, with 0 <= index < plausible_count(). Quantities that the scene
- * does not determine are plausible. Unless the result is PLAUSIBLE, writes a line with the value,
- * the limit, and the setting that is probably in another unit. */
+/* Judges the quantities of a contact. Returns the worst verdict. Unless it is PLAUSIBLE, writes a
+ * line about the first quantity with this verdict: its value, the limit, and the setting that is
+ * probably in another unit. Quantities that the scene does not determine are plausible. */
 plausibility plausible_judge(
     // output:
     char text[PLAUSIBLE_TEXT],
     // input:
-    size_t index, const ehd_contact *contact, const contact_settings *given);
+    const ehd_contact *contact, const contact_settings *given);
 
 #endif

@@ -71,7 +71,7 @@ typedef struct table_time_settings {
 } table_time_settings;
 
 typedef struct transient_settings {
-    // bit i: the i-th setting with the unit T is given in seconds; scene_take_seconds converts it
+    // bit i: the i-th setting with the unit T is given in seconds; setting_take_seconds converts it
     unsigned in_seconds;
     table_time_settings time;
     double end_time; // T at which the run ends

@@ -77,6 +77,7 @@ static contact_settings settings_of(const scene *given) {
         .radius_across = given->physical.radius_across,
         .ellipticity = given->ellipticity,
         .speed = scene_speed(given),
+        .surface_speeds = isnan(given->physical.speed),
         .modulus = given->physical.modulus,
         .viscosity = given->physical.viscosity,
         .hertz_pressure = given->hertz_pressure,
@@ -96,21 +97,19 @@ ehd_status scene_contact_derive(ehd_contact *contact, const scene *given, ehd_er
     return contact_init(contact, &settings, error);
 }
 
-plausibility scene_judge(char text[PLAUSIBLE_TEXT], size_t index, const ehd_contact *contact,
+plausibility scene_judge(char text[PLAUSIBLE_TEXT], const ehd_contact *contact,
                          const scene *given) {
     const contact_settings settings = settings_of(given);
 
-    return plausible_judge(text, index, contact, &settings);
+    return plausible_judge(text, contact, &settings);
 }
 
 /* Refuses a contact with an impossible quantity, such as a half width above the radius. */
 static ehd_status check_possible(const ehd_contact *contact, const scene *given, ehd_error *error) {
     char text[PLAUSIBLE_TEXT];
 
-    for (size_t i = 0; i < plausible_count(); i++)
-        if (scene_judge(text, i, contact, given) == IMPOSSIBLE)
-            return ehd_fail(error, EHD_DATA, "%s", text);
-    return EHD_OK;
+    if (scene_judge(text, contact, given) != IMPOSSIBLE) return EHD_OK;
+    return ehd_fail(error, EHD_DATA, "%s", text);
 }
 
 ehd_status scene_contact_begin(ehd_contact *contact, const scene *given, ehd_error *error) {

@@ -30,9 +30,8 @@ ehd_status scene_contact_end(ehd_contact *contact, const scene *given, ehd_error
 /* Does the first part of scene_contact_begin: contact_init, without the check of quantities. */
 ehd_status scene_contact_derive(ehd_contact *contact, const scene *given, ehd_error *error);
 
-/* Judges one quantity of the contact of a scene (plausible_judge). */
-plausibility scene_judge(char text[PLAUSIBLE_TEXT], size_t index, const ehd_contact *contact,
-                         const scene *given);
+/* Judges the quantities of the contact of a scene (plausible_judge). */
+plausibility scene_judge(char text[PLAUSIBLE_TEXT], const ehd_contact *contact, const scene *given);
 
 /* Checks that the scene has the kind of contact of the model in `path`. Returns EHD_DATA for
  * another kind. Call this function before scene_contact. Otherwise the user would first see errors

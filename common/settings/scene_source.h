@@ -45,7 +45,7 @@ ehd_status source_apply_overrides(scene_source *source, const char *const *overr
 /* Checks whether an override set or unset the key of a row. */
 bool source_is_overridden(const scene_source *source, const setting *row);
 
-/* Calls scene_complete and source_validate. */
+/* Calls scene_complete and source_validate, and converts times that were given in seconds. */
 ehd_status source_finish(scene_source *source, ehd_error *error);
 
 /* Does the checks of scene_validate. Errors have the source location of a key. */

@@ -584,12 +584,41 @@ bool setting_is_given(const setting *row, const scene *of) {
     }
 }
 
+bool setting_is_time(const setting *row) {
+    return strcmp(row->unit, "T") == 0;
+}
+
+/* Notes whether a time was given in seconds. */
+static void note_seconds(scene *of, const setting *row, bool seconds) {
+    unsigned bit = 1;
+    for (const setting *other = scene_settings(); other < row; other++)
+        if (setting_is_time(other)) bit <<= 1;
+    of->transient.in_seconds =
+        seconds ? of->transient.in_seconds | bit : of->transient.in_seconds & ~bit;
+}
+
+/* Notes whether the load was given as a force or per length, for check_load. The kind of contact
+ * may be given later. */
+static void note_load_unit(scene *of, const char *unit) {
+    unit_conversion per_length;
+
+    strcpy(of->physical.load_unit, !*unit ? "" : unit_find(&per_length, "N/m", unit) ? "N/m" : "N");
+}
+
+/* Notes the unit with which a number was given: "" without a unit. `seconds`: the unit of a time is
+ * a multiple of seconds. */
+static void note_unit(scene *of, const setting *row, const char *unit, bool seconds) {
+    if (setting_is_time(row)) note_seconds(of, row, seconds);
+    if (strcmp(row->key, "physical.load") == 0) note_load_unit(of, unit);
+}
+
 void setting_clear(const setting *row, scene *of) {
     const double not_given = NAN;
     const int not_whole = -1;
     switch (row->type) {
     case SETTING_REAL:
         memcpy(text_at(row, of), &not_given, sizeof not_given);
+        note_unit(of, row, "", false);
         break;
     case SETTING_WHOLE:
     case SETTING_FLAG:
@@ -708,6 +737,12 @@ static void show_allowed(char shown[ALLOWED_TEXT], const setting *row, const sce
     }
 }
 
+static bool number_begins(const char *text) {
+    char *end;
+    strtod(text, &end);
+    return end != text;
+}
+
 /* Returns the unit behind a number, as "kN/m" in "200 kN/m", or "". */
 static const char *unit_in(const char *text) {
     char *end;
@@ -728,7 +763,7 @@ static const char *unit_of(char own[SHOWN_TEXT], const setting *row, const scene
 /* Reads a number with or without a unit. */
 static bool read_real(double *value, const char *text, const char *si) {
     const char *unit = unit_in(text);
-    char number[NUMBER_TEXT];
+    char number[2 * NUMBER_TEXT];
     unit_conversion to_si;
 
     if (!*unit) return number_read(value, text);
@@ -740,27 +775,6 @@ static bool read_real(double *value, const char *text, const char *si) {
         return false;
     *value = to_si.factor * *value + to_si.offset;
     return true;
-}
-
-/* Notes whether the load was given as a force or per length, for check_load. The kind of contact may
- * be given later. */
-static void note_load_unit(scene *of, const char *unit) {
-    unit_conversion per_length;
-
-    strcpy(of->physical.load_unit, !*unit ? "" : unit_find(&per_length, "N/m", unit) ? "N/m" : "N");
-}
-
-bool setting_is_time(const setting *row) {
-    return strcmp(row->unit, "T") == 0;
-}
-
-/* Notes whether a time was given in seconds. */
-static void note_seconds(scene *of, const setting *row, bool seconds) {
-    unsigned bit = 1;
-    for (const setting *other = scene_settings(); other < row; other++)
-        if (setting_is_time(other)) bit <<= 1;
-    of->transient.in_seconds =
-        seconds ? of->transient.in_seconds | bit : of->transient.in_seconds & ~bit;
 }
 
 ehd_status setting_take_seconds(scene *of, double unit_of_time, ehd_error *error) {
@@ -791,10 +805,9 @@ static bool assign_real(scene *of, const setting *row, const char *text) {
     const bool seconds = time && !read_real(&value, text, "T");
     if (!read_real(&value, text, seconds ? "s" : unit_of(si, row, of))) return false;
     if (!seconds && !(value >= row->min && value <= row->max)) return false;
-    if (time) note_seconds(of, row, seconds);
     value += 0.0; // -0 becomes 0, so that equal scenes have equal text
     memcpy(text_at(row, of), &value, sizeof value);
-    if (strcmp(row->key, "physical.load") == 0) note_load_unit(of, unit_in(text));
+    note_unit(of, row, unit_in(text), seconds);
     return true;
 }
 
@@ -830,7 +843,8 @@ static bool assign_text(scene *of, const setting *row, const char *text) {
     return true;
 }
 
-/* If a number has an unknown unit, writes which units its setting may have. Otherwise writes "". */
+/* If a text begins with a number, which is out of range or has an unknown unit, writes which units
+ * its setting may have. Otherwise writes "". */
 static void show_units(char shown[2 * SHOWN_TEXT], const setting *row, const char *text,
                        const scene *of) {
     char si[SHOWN_TEXT], list[SHOWN_TEXT];
@@ -840,10 +854,10 @@ static void show_units(char shown[2 * SHOWN_TEXT], const setting *row, const cha
     *shown = '\0';
     if (setting_is_time(row)) own = "s";
     if (row->type != SETTING_REAL || strcmp(own, "1") == 0 || strchr(own, '|')) return;
-    if (!(isalpha((unsigned char)*unit) || *unit == '%') || unit_find(&known, own, unit)) return;
+    if (!number_begins(text) || (*unit && unit_find(&known, own, unit))) return;
     unit_list(list, own);
     if (*list)
-        snprintf(shown, 2 * SHOWN_TEXT, ", or a number in %s%s", setting_is_time(row) ? "s, " : "",
+        snprintf(shown, 2 * SHOWN_TEXT, ", or one in %s%s", setting_is_time(row) ? "s, " : "",
                  list);
 }
 

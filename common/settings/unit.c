@@ -10,28 +10,29 @@ static const struct unit {
     const char *si, *name;
     unit_conversion to_si;
 } units[] = {
-    {"N/m", "N/mm", {1e3, 0}},     {"N/m", "kN/m", {1e3, 0}},       {"N/m", "N/cm", {1e2, 0}},
-    {"N/m", "kN/mm", {1e6, 0}},    {"N/m", "MN/m", {1e6, 0}},       {"N", "kN", {1e3, 0}},
-    {"N", "mN", {1e-3, 0}},        {"N", "MN", {1e6, 0}},           {"m", "mm", {1e-3, 0}},
-    {"m", "um", {1e-6, 0}},        {"m", "nm", {1e-9, 0}},          {"m", "cm", {1e-2, 0}},
-    {"m/s", "mm/s", {1e-3, 0}},    {"m/s", "um/s", {1e-6, 0}},      {"m/s", "cm/s", {1e-2, 0}},
-    {"m/s", "km/h", {1 / 3.6, 0}}, {"Pa", "MPa", {1e6, 0}},         {"Pa", "GPa", {1e9, 0}},
-    {"Pa", "kPa", {1e3, 0}},       {"Pa", "bar", {1e5, 0}},         {"Pa", "N/mm2", {1e6, 0}},
-    {"Pa", "N/m2", {1, 0}},        {"Pa s", "mPas", {1e-3, 0}},     {"Pa s", "cP", {1e-3, 0}},
-    {"Pa s", "Ns/m2", {1, 0}},     {"1/Pa", "1/GPa", {1e-9, 0}},    {"1/Pa", "1/MPa", {1e-6, 0}},
-    {"1/Pa", "mm2/N", {1e-6, 0}},  {"1/Pa", "m2/N", {1, 0}},        {"1/Pa", "GPa-1", {1e-9, 0}},
-    {"1/Pa", "Pa-1", {1, 0}},      {"degC", "C", {1, 0}},           {"degC", "K", {1, -273.15}},
-    {"W/(m K)", "W/mK", {1, 0}},   {"rad", "deg", {M_PI / 180, 0}}, {"1", "%", {0.01, 0}},
-    {"s", "ms", {1e-3, 0}},        {"s", "us", {1e-6, 0}},          {"s", "min", {60, 0}}};
+    {"N/m", "N/mm", {1e3, 0}},       {"N/m", "kN/m", {1e3, 0}},    {"N/m", "N/cm", {1e2, 0}},
+    {"N/m", "kN/mm", {1e6, 0}},      {"N/m", "MN/m", {1e6, 0}},    {"N", "kN", {1e3, 0}},
+    {"N", "mN", {1e-3, 0}},          {"N", "MN", {1e6, 0}},        {"m", "mm", {1e-3, 0}},
+    {"m", "um", {1e-6, 0}},          {"m", "nm", {1e-9, 0}},       {"m", "cm", {1e-2, 0}},
+    {"m/s", "mm/s", {1e-3, 0}},      {"m/s", "um/s", {1e-6, 0}},   {"m/s", "cm/s", {1e-2, 0}},
+    {"m/s", "km/h", {1 / 3.6, 0}},   {"Pa", "MPa", {1e6, 0}},      {"Pa", "GPa", {1e9, 0}},
+    {"Pa", "kPa", {1e3, 0}},         {"Pa", "bar", {1e5, 0}},      {"Pa", "N/mm2", {1e6, 0}},
+    {"Pa", "N/m2", {1, 0}},          {"Pa s", "mPas", {1e-3, 0}},  {"Pa s", "cP", {1e-3, 0}},
+    {"Pa s", "Ns/m2", {1, 0}},       {"1/Pa", "1/GPa", {1e-9, 0}}, {"1/Pa", "1/MPa", {1e-6, 0}},
+    {"1/Pa", "mm2/N", {1e-6, 0}},    {"1/Pa", "m2/N", {1, 0}},     {"1/Pa", "GPa-1", {1e-9, 0}},
+    {"1/Pa", "Pa-1", {1, 0}},        {"1/Pa", "/GPa", {1e-9, 0}},  {"1/Pa", "/Pa", {1, 0}},
+    {"degC", "C", {1, 0}},           {"degC", "K", {1, -273.15}},  {"W/(m K)", "W/mK", {1, 0}},
+    {"rad", "deg", {M_PI / 180, 0}}, {"1", "%", {0.01, 0}},        {"s", "ms", {1e-3, 0}},
+    {"s", "us", {1e-6, 0}},          {"s", "min", {60, 0}}};
 
 enum { NUM_UNITS = sizeof units / sizeof *units, MAX_UNIT = 32 };
 
 /* Writes a name without spaces, dots, stars and carets, and with ASCII letters for the signs micro,
- * degree and the raised two. Returns false if the name is too long. */
+ * degree and raised numbers. Returns false if the name is too long. */
 static bool simple_name(char simple[MAX_UNIT], const char *name) {
-    static const char *const signs[][2] = {{"µ", "u"}, {"μ", "u"}, {"°", "deg"},
-                                           {"²", "2"}, {"·", ""},  {" ", ""},
-                                           {".", ""},  {"*", ""},  {"^", ""}};
+    static const char *const signs[][2] = {{"µ", "u"},   {"μ", "u"}, {"°", "deg"}, {"²", "2"},
+                                           {"⁻¹", "-1"}, {"·", ""},  {" ", ""},    {".", ""},
+                                           {"*", ""},    {"^", ""}};
     size_t length = 0;
 
     while (*name) {

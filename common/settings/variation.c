@@ -109,6 +109,7 @@ static ehd_status keep_text(const char **text, variation *self, size_t column, e
     const csv_file *points = &self->points;
     char *joined, **list;
 
+    if (self->columns[column].row->type == SETTING_REAL) csv_take_decimal_comma(points, column);
     *text = points->fields[column];
     if (!points->units[column]) return EHD_OK;
     list = realloc(self->with_units, (self->num_with_units + 1) * sizeof *list);
@@ -163,6 +164,8 @@ static ehd_status check_bound(double *bound, const setting *row, const char *tex
 
     scene_defaults(&any);
     const ehd_status status = setting_assign(&any, row, text, where, error);
+    if (!status && any.transient.in_seconds)
+        return place_fail(error, where, "%s: found seconds in a region, expected T", row->key);
     if (!status) *bound = setting_real(row, &any);
     return status;
 }
@@ -308,8 +311,8 @@ static double range_value(const variation *self, size_t range, size_t point) {
     return of->low + part * (of->high - of->low);
 }
 
-/* Returns the value of a range at a point, as text. At both ends this is the text of the plan, whose
- * unit the scene checks. */
+/* Returns the value of a range at a point, as text. At both ends this is the text of the plan,
+ * whose unit the scene checks. */
 static const char *range_text(char text[NUMBER_TEXT], const variation *self, size_t range,
                               size_t point) {
     const double part = range_part(self, range, point);

@@ -165,8 +165,8 @@ static double step_next_kink(const history *self, double time, bool *jump) {
 // ---- table
 
 /* Multiplies a column by the factor from its unit to its dimensionless unit. `own` is the unit that
- * the scene gives, or "". `plain` is the name of the dimensionless unit. `si` and `scale` are the SI
- * unit and the value of the dimensionless unit in it. *has_unit: whether a unit was given. */
+ * the scene gives, or "". `plain` is the name of the dimensionless unit. `si` and `scale` are the
+ * SI unit and the value of the dimensionless unit in it. *has_unit: whether a unit was given. */
 static ehd_status take_unit(table_column *column, bool *has_unit, size_t count, const char *own,
                             const char *plain, const char *si, double scale, const char *key,
                             ehd_error *error) {
@@ -176,6 +176,7 @@ static ehd_status take_unit(table_column *column, bool *has_unit, size_t count, 
 
     *has_unit = *unit;
     if (!*unit || strcmp(unit, plain) == 0) return EHD_OK;
+    if (!si) return ehd_fail(error, EHD_DATA, "%s: found %s, expected %s", key, unit, plain);
     unit_list(list, si);
     if (!unit_find(&to_si, si, unit))
         return ehd_fail(error, EHD_DATA, "%s: found %s, expected %s, %s, %s", key, unit, plain, si,
@@ -396,7 +397,7 @@ ehd_status histories_init(ehd_histories **result, const scene *given, ehd_error 
                        [VARY_SPEED] = {"m/s", scene_speed(given)},
                        [VARY_RADIUS] = {"m", given->physical.radius},
                        [VARY_MODULUS] = {"Pa", given->physical.modulus},
-                       [VARY_APPROACH] = {"1", NAN}};
+                       [VARY_APPROACH] = {NULL, NAN}};
     for (int i = 0; i < NUM_VARY && !status; i++) {
         history *of = &self->of[i];
         of->given = given->transient.vary[i];

@@ -4,6 +4,7 @@
 #include "common/algebra/rounding.h"
 #include "common/algebra/spline.h"
 #include "common/artefact/table.h"
+#include "common/settings/unit.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -214,18 +215,36 @@ static ehd_status check_halves(const ehd_surface *self, ehd_error *error) {
     return EHD_OK;
 }
 
+/* Converts a column with a unit to metres. Only tables with `units: si` may have units. */
+static ehd_status take_unit(table_column *column, const ehd_surface *self, ehd_error *error) {
+    unit_conversion to_si;
+    char list[SHOWN_TEXT];
+
+    if (!column->values || !*column->unit) return EHD_OK;
+    unit_list(list, "m");
+    if (strcmp(self->given.units, "si") != 0 || !unit_find(&to_si, "m", column->unit))
+        return ehd_fail(error, EHD_DATA,
+                        "%s: found the unit %s, expected surface.units si and m, %s, or no unit",
+                        self->given.file, column->unit, list);
+    for (size_t i = 0; i < self->count; i++)
+        column->values[i] *= to_si.factor;
+    return EHD_OK;
+}
+
 static ehd_status read_table(ehd_surface *self, ehd_error *error) {
     static const char *const x_names[] = {"x", "X", NULL};
     const char *const value_names[] = {self->given.column, NULL};
     const char *const y_names[] = {self->given.across, NULL};
     table_column columns[] = {
         {.names = x_names, .alone = true}, {.names = value_names}, {.names = y_names}};
-    const ehd_status status =
+    ehd_status status =
         table_read(self->given.file, columns, self->given.across[0] ? 3 : 2, &self->count, error);
 
     self->x = columns[0].values;
     self->values = columns[1].values;
     self->y = columns[2].values;
+    for (size_t c = 0; c < 3 && !status; c++)
+        status = take_unit(&columns[c], self, error);
     return status;
 }
 

@@ -338,8 +338,11 @@ static ehd_status write_batch(batch *self, size_t count, cases_summary *summary,
     while (num_solved < count && self->solved[num_solved])
         num_solved++;
     if (num_solved == 0) return EHD_OK;
-    for (size_t i = 0; i < num_solved; i++)
+    for (size_t i = 0; i < num_solved; i++) {
         add_to(summary, self->rows[i].status, self->texts[i].line);
+        summary->max_friction =
+            fmax(summary->max_friction, fabs(self->rows[i].friction_coefficient));
+    }
     summary->num_solved += num_solved;
     return case_table_put(self->table, self->rows, self->texts, num_solved, error);
 }

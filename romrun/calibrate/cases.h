@@ -26,7 +26,8 @@ typedef struct cases_summary {
     size_t num_cases, num_unsolved, num_untrusted;
     size_t first;      // line, in the list, of the first case with the worst status; 0: all trusted
     size_t num_solved; // number of cases solved by this run
-    double seconds;    // elapsed time of these cases
+    double max_friction; // largest friction coefficient of these cases
+    double seconds;      // elapsed time of these cases
 } cases_summary;
 
 /* Solves all cases and writes their table (case_table.h). The rows do not depend on num_jobs, and

@@ -423,10 +423,11 @@ typedef struct ehdrom_traction {
  * ratio and the law lubricant.shear are taken from the settings with which the contact was last
  * solved or started. The sliding does not change the films, except with lubricant.shear.in_film. A
  * model of this version computes the traction as a sum over few nodes; with other models the cost
- * grows with the grid. Returns EHDROM_UNTRUSTED if the friction exceeds the load, which no lubricant
- * carries. Returns EHDROM_DATA if the scene is given by moes.M and moes.L, if no sliding is known,
- * if surfaces slide and lubricant.shear.law is not set, or if `sliding` differs from the sliding that has thinned the film
- * (lubricant.shear.in_film). Returns EHDROM_INTERNAL if there is no solution yet. */
+ * grows with the grid. Returns EHDROM_UNTRUSTED if the friction exceeds the load, which no
+ * lubricant carries. Returns EHDROM_DATA if the scene is given by moes.M and moes.L, if no sliding
+ * is known, if surfaces slide and lubricant.shear.law is not set, or if `sliding` differs from the
+ * sliding that has thinned the film (lubricant.shear.in_film). Returns EHDROM_INTERNAL if there is
+ * no solution yet. */
 EHDROM_API ehdrom_status ehdrom_slide(ehdrom_contact *contact, double sliding,
                                       ehdrom_traction *traction);
 

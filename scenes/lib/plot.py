@@ -17,7 +17,7 @@ try:
 
     import pictures
 except ImportError as missing:
-    sys.stderr.write(f"found no Python package {missing.name}, expected it (Debian: python3-{missing.name})\n")
+    sys.stderr.write(f"found no Python package {missing.name}, expected it (Debian: python3-{missing.name.lower()})\n")
     sys.exit(69)
 
 DATA = 65
@@ -187,9 +187,18 @@ def model(file):
 # ---- tables
 
 
+def read_table(path):
+    """Returns the header and the rows of a CSV file, by the rules of the programs (csv.h)."""
+    with open(path, newline="", encoding="utf-8-sig") as file:
+        lines = [line for line in file if line.strip() and not line.lstrip().startswith("#")]
+    separator = next((mark for mark in ",;\t" if lines and mark in lines[0]), ",")
+    known, *rows = [[field.strip() for field in row] for row in csv.reader(lines, delimiter=separator)] or [[]]
+    return known, [row for row in rows if len(row) == len(known)]
+
+
 def number(text):
     try:
-        return float(text)
+        return float(text.replace(",", "."))
     except ValueError:
         return np.nan
 
@@ -201,8 +210,7 @@ def table(path, names):
             known = [name for name in file if file[name].ndim == 1 and file[name].dtype.kind in "fi"]
             columns = {name: file[name][...] for name in names if name in known}
     else:
-        with open(path, newline="") as file:
-            known, *rows = [row for row in csv.reader(file) if row] or [[]]
+        known, rows = read_table(path)
         columns = {name: np.array([number(row[known.index(name)]) for row in rows]) for name in names if name in known}
     for name in names:
         if name not in columns:
@@ -240,6 +248,8 @@ def main(format, path, *names):
         figure = draw(path, names)
     except OSError:
         stop(DATA, "found no HDF5 file, expected a result, snapshots, a basis or a model")
+    except (KeyError, ValueError, IndexError, UnicodeDecodeError) as error:
+        stop(DATA, f"found a file that cannot be drawn ({error}), expected one that the programs have written")
     figure.savefig(sys.stdout.buffer, format=format, metadata={"Date": None} if format == "svg" else None)
 
 

@@ -52,6 +52,22 @@ YAML
     refused 64 "command line: found 1 file, expected none" fullrun --describe gear.yml gear.yml
 }
 
+@test "--describe of a model prints its range, its size and its errors" {
+    small_model
+    run -0 romrun --describe c.h5
+    [[ "$output" == *"trained range of M      8 to 15"* ]]
+    [[ "$output" == *"  moes.M                        10 to 12"* ]]
+    [[ "$output" == *"  lubricant.viscosity.law       barus"* ]]
+    [[ "$output" == *"largest of 4 scenes"* ]]
+    run -0 romrun --describe m.h5
+    [[ "$output" == *"checked                 no: results have no error estimates"* ]]
+    romrun export c.h5 -o c.ehdrom
+    run -0 romrun --describe c.ehdrom
+    [[ "$output" == *"training solutions      15"* ]]
+    refused 66 "none.h5: found No such file" romrun --describe none.h5
+    refused 65 "b.h5" romrun --describe b.h5
+}
+
 @test "a multibody program's table in engineering units is solved by one command" {
     sed -i 's/stationary/transient/; s/^physical:.*/physical: {load: 500 N\/mm, radius: 12 mm, speed: 4 m\/s, modulus: 226 GPa}/' gear.yml
     cat >>gear.yml <<'YAML'
@@ -69,6 +85,12 @@ YAML
     run -0 --separate-stderr fullrun factors.yml -o factors.h5
     [[ "$stderr" == *"factors.csv: found a column without a unit: times are taken as T, values as factors"* ]]
     close_to "$(number units.h5 central_film_thickness)" "$(number factors.h5 central_film_thickness)" 1e-6
+    # values in N/m under a header in N/mm, and the other way round
+    sed 's/;450;/;450000;/; s/;500;/;500000;/; s/;520;/;520000;/' mesh.csv >wrong.csv
+    sed -i 's/mesh.csv/wrong.csv/' gear.yml
+    refused 65 "wrong.csv: Fn: found 1040 in row 3, expected a factor on the reference value" fullrun gear.yml
+    sed -i 's/Fn .N.mm./Fn [N\/m]/; s/000;/;/' wrong.csv
+    refused 65 "gear.yml: transient.load: found at most 0.00104 times the reference, where M: found 0.01" fullrun gear.yml
     [ "$(fullrun --print units.h5 time | wc -l)" = "$(fullrun --print factors.h5 time | wc -l)" ]
 }
 

@@ -344,11 +344,13 @@ static int print_beyond_quota(program *self) {
 
 static void failed_output_is_an_io_error(void **state) {
     (void)state;
+    // a reader that has seen enough, as with `| head`, is no failure
     run(print_into_closed_pipe, "a.yml", "-o", "r.h5");
-    assert_int_equal(child.code, EHD_IO);
-    assert_non_null(strstr(child.err, "trial: stdout: found a failed write"));
+    assert_int_equal(child.code, EHD_OK);
+    assert_string_equal(child.err, "");
     run(print_beyond_quota, "a.yml", "-o", "r.h5");
     assert_int_equal(child.code, EHD_IO);
+    assert_non_null(strstr(child.err, "trial: stdout: found a failed write"));
     run_to("/dev/full", print_much);
     assert_int_equal(child.code, EHD_IO);
     run(print_much, "a.yml", "-o", "r.h5");

@@ -200,10 +200,10 @@ static const struct {
     {SCENE, "hertz_pressure: \"1\\n2\"", "hertz_pressure: found 1?2, expected"},
     // numbers with a unit
     {SCENE, "contact: line\nphysical: {load: 200kN}",
-     "physical.load: found 200kN, expected a number from 1e-06 to 1e+09 N/m, or a number in N/mm, "
+     "physical.load: found 200kN, expected a number from 1e-06 to 1e+09 N/m, or one in N/mm, "
      "kN/m, N/cm, kN/mm, MN/m"},
     {SCENE, "contact: point\nphysical: {load: 200 N/m}",
-     "physical.load: found 200 N/m, expected a number from 1e-06 to 1e+09 N, or a number in kN, "
+     "physical.load: found 200 N/m, expected a number from 1e-06 to 1e+09 N, or one in kN, "
      "mN, "
      "MN"},
     {SCENE,
@@ -405,8 +405,8 @@ static const struct {
     {GROUP, "region: {M: [0.01, 6]}",
      "plan.yml:3: moes.M: found 0.01, expected a number from 0.1 to 100000"},
     {GROUP, "region: {hertz_pressure: [1e9, 2 GHz]}",
-     "plan.yml:3: hertz_pressure: found 2 GHz, expected a number from 100000 to 2e+10 Pa, or a "
-     "number in MPa"},
+     "plan.yml:3: hertz_pressure: found 2 GHz, expected a number from 100000 to 2e+10 Pa, or one "
+     "in MPa"},
     // parts of a plan
     {PLAN, "part_of: plan.yml\n", "not in a circle"},
     {PLAN, "part_of: [whole.yml]\n", "part_of: found a list, expected the name of a plan"},
@@ -544,11 +544,11 @@ static void only_an_unknown_unit_is_told_as_one(void **state) {
     ehd_error error;
     scene_defaults(&of);
     assert_int_equal(scene_set(&of, "physical.radius", "-1 mm", "here", &error), EHD_DATA);
-    assert_null(strstr(error.text, "or a number in"));
+    assert_null(strstr(error.text, "or one in"));
     assert_int_equal(scene_set(&of, "moes.M", "1e-1O", "here", &error), EHD_DATA);
-    assert_null(strstr(error.text, "or a number in"));
+    assert_null(strstr(error.text, "or one in"));
     assert_int_equal(scene_set(&of, "physical.radius", "1 kg", "here", &error), EHD_DATA);
-    assert_non_null(strstr(error.text, ", or a number in mm, um"));
+    assert_non_null(strstr(error.text, ", or one in mm, um"));
 }
 
 static void values_may_have_units(void **state) {
@@ -608,6 +608,18 @@ static void times_may_be_in_seconds(void **state) {
         check_close(of.transient.vary[VARY_LOAD].duration, 0.5, 0, 0);
         assert_int_equal(of.transient.in_seconds, 0);
     }
+    refuses(GROUP, "region: {transient.end_time: [5 us, 8 us]}",
+            "transient.end_time: found seconds in a region, expected T");
+    // without its value the unit is forgotten too
+    scene of;
+    ehd_error error = {""};
+    scene_defaults(&of);
+    assert_int_equal(scene_set(&of, "transient.end_time", "1 s", "here", &error), EHD_OK);
+    assert_int_equal(scene_set(&of, "physical.load", "1 kN", "here", &error), EHD_OK);
+    assert_true(of.transient.in_seconds != 0 && *of.physical.load_unit);
+    setting_clear(setting_find("transient.end_time"), &of);
+    setting_clear(setting_find("physical.load"), &of);
+    assert_true(of.transient.in_seconds == 0 && !*of.physical.load_unit);
     refuses(SCENE,
             "contact: line\nregime: transient\nmoes: {M: 10, L: 10}\nlubricant.viscosity: {law: "
             "barus, alpha: 2e-8}\ntransient: {end_time: 2 ms}",
