@@ -74,6 +74,8 @@ static char *text_of(const case_list *self, size_t column) {
     if (!unit || !row) return strdup(field);
     if (asprintf(&text, "%s %s", field, unit) < 0) return NULL;
     if (row->type != SETTING_REAL || setting_assign(&any, row, text, (place){0}, NULL)) return text;
+    // if the table gives the kind of contact too, the scene has to check the unit of the load
+    if (*any.physical.load_unit && !*any.contact) return text;
     free(text);
     number_show(number, setting_real(row, &any));
     return strdup(number);

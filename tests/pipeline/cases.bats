@@ -115,6 +115,27 @@ assert row["minimum_film_thickness"] == cold["minimum_film_thickness"]
 PYTHON
 }
 
+@test "columns may have units, and a load in the other kind of unit is refused" {
+    local load
+    printf 'physical.load\n60000\n62500\n' >si.csv
+    printf 'load [N/mm];name\n60;a\n62,5;1,5\n' >units.csv
+    romrun cases si.yml si.csv -m c.h5 -o si-t.csv --quiet --allow-untrusted
+    romrun cases si.yml units.csv -m c.h5 -o units-t.csv --quiet --allow-untrusted
+    # the table has SI units, and the names of cases stay
+    cut -d, -f1,2 units-t.csv >found
+    printf '%s\n' physical.load,name 60000,a '62500,"1' | cmp - found
+    for load in 60000 62500; do
+        [ "$(grep "^$load," si-t.csv | cut -d, -f2-5)" = "$(grep "^$load," units-t.csv | sed 's/"[^"]*"/x/' | cut -d, -f3-6)" ]
+    done
+    printf 'physical.load [kN]\n60\n' >force.csv
+    refused 65 "force.csv:2: physical.load: found 60 kN, expected a number from .* N/m, or one in N/mm" \
+        romrun cases si.yml force.csv -m c.h5 -o x.csv
+    # the table may also give the kind of contact
+    grep -v ^contact si.yml >open.yml
+    printf 'contact,physical.load [kN]\nline,60\n' >force.csv
+    refused 65 "force.csv:2: physical.load: found 60 kN, expected" romrun cases open.yml force.csv -m c.h5 -o x.csv
+}
+
 # bats test_tags=slow
 @test "--cases: friction where scenes slide" {
     sed -i 's/^  density.*/&\n  shear: {law: eyring, tau0: 5e6}/' si.yml
