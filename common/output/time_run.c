@@ -543,6 +543,12 @@ static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *er
 
     if (!status) status = judge_histories(task, *histories, error);
     if (status) return status;
+    if (histories_in_seconds(*histories) && !task->given->transient.end_in_seconds)
+        program_note(task->caller,
+                     "transient.end_time: found T = %g without a unit beside tables in seconds, "
+                     "which is %.3g ms",
+                     task->given->transient.end_time,
+                     1e3 * task->given->transient.end_time * contact_time_scale(task->reference));
     const char *table = histories_without_unit(*histories);
     if (table)
         program_note(task->caller,

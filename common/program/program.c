@@ -301,9 +301,8 @@ static const struct argp_option common_options[] = {
     {.name = "plot",
      .key = KEY_PLOT,
      .arg = "FILE",
-     .doc =
-         "Only draw a result, a training, a basis or a model: -o NAME.png, .svg or .pdf. With two "
-         "NAMEs of columns: a table",
+     .doc = "Only draw a result, a training, a basis or a model: -o NAME.png, .svg or .pdf. --plot "
+            "TABLE X Y draws column Y over X",
      .group = 10},
     {.name = "vtk",
      .key = KEY_VTK,

@@ -196,7 +196,7 @@ static char separator_of(const char *header) {
 /* Cuts off the unit in brackets or parentheses at the end of a name. Returns the unit; NULL: there
  * is none, or it is "1" or "-". */
 static char *take_unit(char *name) {
-    const size_t length = strlen(name);
+    const size_t length = strlen(name); // NOLINT: all names are set
     const char last = length > 0 ? name[length - 1] : '\0';
     char *open = last == ']' ? strrchr(name, '[') : last == ')' ? strrchr(name, '(') : NULL;
 

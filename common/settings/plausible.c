@@ -32,6 +32,14 @@ static double width_over_radius(const ehd_contact *contact) {
     return along * fmax(1, shape->gap_across / shape->ellipticity);
 }
 
+static double radius_of(const ehd_contact *contact) {
+    return contact->radius;
+}
+
+static double speed_of(const ehd_contact *contact) {
+    return contact->speed;
+}
+
 static double pressure_of(const ehd_contact *contact) {
     return contact->hertz_pressure;
 }
@@ -69,6 +77,8 @@ static const struct quantity {
 } quantities[] = {{"viscosity at zero pressure", " Pa s", 1, viscosity_of, 1e-4, 100, 1e-5, 1000},
                   {"pressure coefficient alpha", " 1/Pa", 1, alpha_of, 5e-9, 5e-8, 1e-10, 5e-7},
                   {"temperature", " degC", 1, temperature_of, -60, 200, -100, 400},
+                  {"radius", " m", 1, radius_of, 1e-5, 3, 0, INFINITY},
+                  {"speed", " m/s", 1, speed_of, 0, 300, 0, INFINITY},
                   {"half width over radius", "", 1, width_over_radius, 0, 1. / 3, 0, 1},
                   {"Hertz pressure", " GPa", 1e9, pressure_of, 0, 5e9, 0, 2e10},
                   {"M", "", 1, moes_M_of, MIN_MOES_M, MAX_MOES_M, MIN_MOES_M, MAX_MOES_M},
@@ -131,7 +141,8 @@ static double *value_of(contact_settings *given, const suspect *of) {
     const bool has_own = law && law_key(law, "eta0");
 
     if (has_own && !isnan(values[laws_slot(viscosity_laws, "eta0")].number)) given->viscosity = NAN;
-    if (!of->law_key) return (double *)((char *)given + of->member);
+    void *member = (char *)given + of->member;
+    if (!of->law_key) return member;
     if (!law || !law_key(law, of->law_key)) return NULL;
     return &values[laws_slot(viscosity_laws, of->law_key)].number;
 }

@@ -73,6 +73,7 @@ typedef struct table_time_settings {
 typedef struct transient_settings {
     // bit i: the i-th setting with the unit T is given in seconds; setting_take_seconds converts it
     unsigned in_seconds;
+    bool end_in_seconds; // end_time was given in seconds
     table_time_settings time;
     double end_time; // T at which the run ends
     // dimensionless: tolerance of the error of the central film if `transport` is path, else of the

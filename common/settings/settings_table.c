@@ -788,6 +788,7 @@ ehd_status setting_take_seconds(scene *of, double unit_of_time, ehd_error *error
         if (isnan(unit_of_time))
             return ehd_fail(error, EHD_DATA,
                             "%s: found seconds in a scene without physical, expected T", row->key);
+        if (strcmp(row->key, "transient.end_time") == 0) of->transient.end_in_seconds = true;
         const double value = setting_real(row, of) / unit_of_time;
         if (!(value >= row->min && value <= row->max))
             return ehd_fail(error, EHD_DATA,

@@ -32,6 +32,7 @@ typedef struct history {
     double reference;          // value of the quantity at the factor 1, in SI units; NaN: not known
     double unit_of_time;       // a/u in s; NaN: not known
     bool without_unit;         // the table has no unit of its times or values
+    bool in_seconds;           // the times of the table are in seconds
     double *time;              // [count], times of a table
     double *values;            // [count], values at these times
     size_t count;
@@ -167,24 +168,27 @@ static double step_next_kink(const history *self, double time, bool *jump) {
 /* Multiplies a column by the factor from its unit to its dimensionless unit. `own` is the unit that
  * the scene gives, or "". `plain` is the name of the dimensionless unit. `si` and `scale` are the
  * SI unit and the value of the dimensionless unit in it. *has_unit: whether a unit was given. */
-static ehd_status take_unit(table_column *column, bool *has_unit, size_t count, const char *own,
-                            const char *plain, const char *si, double scale, const char *key,
-                            ehd_error *error) {
+static ehd_status take_unit(table_column *column, bool *has_unit, const history *self,
+                            const char *own, const char *plain, const char *si, double scale,
+                            const char *key, ehd_error *error) {
     const char *unit = *own ? own : column->unit;
     char list[SHOWN_TEXT];
     unit_conversion to_si;
 
     *has_unit = *unit;
     if (!*unit || strcmp(unit, plain) == 0) return EHD_OK;
-    if (!si) return ehd_fail(error, EHD_DATA, "%s: found %s, expected %s", key, unit, plain);
+    if (!si)
+        return ehd_fail(error, EHD_DATA, "%s: %s: found the unit %s, expected %s", self->given.file,
+                        key, unit, plain);
     unit_list(list, si);
     if (!unit_find(&to_si, si, unit))
-        return ehd_fail(error, EHD_DATA, "%s: found %s, expected %s, %s, %s", key, unit, plain, si,
-                        list);
+        return ehd_fail(error, EHD_DATA, "%s: %s: found the unit %s, expected %s, %s, %s",
+                        self->given.file, key, unit, plain, si, list);
     if (isnan(scale))
-        return ehd_fail(error, EHD_DATA, "%s: found %s in a scene without physical, expected %s",
-                        key, unit, plain);
-    for (size_t i = 0; i < count; i++)
+        return ehd_fail(error, EHD_DATA,
+                        "%s: %s: found the unit %s in a scene without physical, expected %s",
+                        self->given.file, key, unit, plain);
+    for (size_t i = 0; i < self->count; i++)
         column->values[i] *= to_si.factor / scale;
     return EHD_OK;
 }
@@ -204,12 +208,13 @@ static ehd_status read_table(history *self, ehd_error *error) {
     self->values = columns[1].values;
     snprintf(key, sizeof key, "transient.%s.unit", vary_names[self->quantity]);
     if (!status)
-        status = take_unit(&columns[0], &has_unit[0], self->count, self->times.unit, "T", "s",
+        status = take_unit(&columns[0], &has_unit[0], self, self->times.unit, "T", "s",
                            self->unit_of_time, "transient.time.unit", error);
     if (!status)
-        status = take_unit(&columns[1], &has_unit[1], self->count, self->given.unit, "factor",
-                           self->si, self->reference, key, error);
+        status = take_unit(&columns[1], &has_unit[1], self, self->given.unit, "factor", self->si,
+                           self->reference, key, error);
     self->without_unit = !has_unit[0] || !has_unit[1];
+    self->in_seconds = has_unit[0] && strcmp(self->times.unit, "T") != 0;
     return status;
 }
 
@@ -420,6 +425,14 @@ ehd_status histories_init(ehd_histories **result, const scene *given, ehd_error 
     if (status) self = histories_free(self);
     *result = self;
     return status;
+}
+
+bool histories_in_seconds(const ehd_histories *self) {
+    bool any = false;
+
+    for (int i = 0; i < NUM_VARY; i++)
+        any = any || self->of[i].in_seconds;
+    return any;
 }
 
 const char *histories_without_unit(const ehd_histories *self) {

@@ -47,6 +47,9 @@ bool histories_reverse(const ehd_histories *self);
  * as factors, or its times as T. */
 const char *histories_without_unit(const ehd_histories *self);
 
+/* Checks whether a table has its times in seconds. */
+bool histories_in_seconds(const ehd_histories *self);
+
 /* Frees `self`, which may be NULL. Returns NULL. */
 ehd_histories *histories_free(ehd_histories *self);
 

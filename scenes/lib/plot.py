@@ -116,9 +116,13 @@ def in_time(file, units):
     panels[2].set(ylabel=units.h, ylim=(0, None))
     panels[2].legend()
     if has_map:
-        x, film = file["x"][...] * units.length, file["film_thickness"][...] * units.film
+        # fields are in the units of the contact at each time
+        width, unit = (file[name][...][:, None] for name in ("contact_half_width", "frame_film_unit"))
+        x = file["x"][...] * width * units.length
+        film = file["film_thickness"][...] * unit * units.film
         least = np.nanmin(film)
-        image = panels[3].pcolormesh(time, x, film.T, shading="nearest", vmin=least, vmax=3 * least, rasterized=True)
+        image = panels[3].pcolormesh(np.broadcast_to(time[:, None], x.shape), x, film, shading="nearest", vmin=least,
+                                     vmax=3 * least, rasterized=True)
         panels[3].set(ylabel=units.x, ylim=(-1.5 * units.length, 1.5 * units.length))
         panels[3].grid(False)
         figure.colorbar(image, ax=panels[3], label=units.h)
@@ -196,6 +200,16 @@ def read_table(path):
     return known, [row for row in rows if len(row) == len(known)]
 
 
+def find(name, known):
+    """Returns the column of a name, which may lack the unit in brackets and the first part of a key."""
+    for short in (lambda column: column, lambda column: column.split(" [")[0],
+                  lambda column: column.split(" [")[0].split(".")[-1]):
+        for column in known:
+            if short(column) == name:
+                return column
+    stop(DATA, f"found no column {name}, expected one of {', '.join(known)}")
+
+
 def number(text):
     try:
         return float(text.replace(",", "."))
@@ -208,13 +222,12 @@ def table(path, names):
     if path.endswith((".h5", ".hdf5")):
         with h5py.File(path) as file:
             known = [name for name in file if file[name].ndim == 1 and file[name].dtype.kind in "fi"]
-            columns = {name: file[name][...] for name in names if name in known}
+            names = [find(name, known) for name in names]
+            columns = {name: file[name][...] for name in names}
     else:
         known, rows = read_table(path)
-        columns = {name: np.array([number(row[known.index(name)]) for row in rows]) for name in names if name in known}
-    for name in names:
-        if name not in columns:
-            stop(DATA, f"found no column {name}, expected one of {', '.join(known)}")
+        names = [find(name, known) for name in names]
+        columns = {name: np.array([number(row[known.index(name)]) for row in rows]) for name in names}
     figure, axes = pictures.page(900, 600)
     axes.plot(columns[names[0]], columns[names[1]], "o", fillstyle="none")
     axes.set(xlabel=names[0], ylabel=names[1])

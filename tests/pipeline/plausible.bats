@@ -29,10 +29,10 @@ YAML
 @test "an implausible quantity is solved with a warning, which --quiet keeps" {
     run --separate-stderr fullrun gear.yml --set physical.speed=4000 --quiet
     [ "$status" = 0 ]
-    [[ "$stderr" == "fullrun: gear.yml: film over half width: found "*": is physical.speed = 4000 in mm/s?" ]]
+    [[ "$stderr" == "fullrun: gear.yml: speed: found 4e+03 m/s, expected at most 300 m/s "*": is physical.speed = 4000 in mm/s?" ]]
     printf 'groups:\n  - scene: gear.yml\n    vary: {physical.speed: [4, 4000]}\n' >plan.yml
     run --separate-stderr snapgen plan.yml -o s.h5 --quiet
-    [[ "$stderr" == "snapgen: plan.yml: point M=0.48"*": film over half width: found "* ]]
+    [[ "$stderr" == "snapgen: plan.yml: point M=0.48"*": speed: found 4e+03 m/s"* ]]
     run --separate-stderr fullrun gear.yml
     [ "$status" = 0 ]
     [ -z "$stderr" ]

@@ -589,11 +589,12 @@ static void tables_may_have_units(void **state) {
 static void wrong_units_of_tables_are_refused(void **state) {
     (void)state;
     write_file("units.csv", "T,F [N/mm],G\n0,1,1\n2,2,3\n");
-    refuses_with(EHD_DATA, "load: {law: table, file: units.csv, column: F, interpolation: linear}",
-                 "transient.load.unit: found N/mm in a scene without physical, expected factor");
-    refuses_with(EHD_DATA,
-                 "load: {law: table, file: units.csv, column: G, unit: mm, interpolation: linear}",
-                 "transient.load.unit: found mm, expected factor, N/m, N/mm, kN/m");
+    refuses_with(
+        EHD_DATA, "load: {law: table, file: units.csv, column: F, interpolation: linear}",
+        "transient.load.unit: found the unit N/mm in a scene without physical, expected factor");
+    refuses_with(
+        EHD_DATA, "load: {law: table, file: units.csv, column: G, unit: mm, interpolation: linear}",
+        "units.csv: transient.load.unit: found the unit mm, expected factor, N/m, N/mm, kN/m");
     write_file("units.csv", "T,F [N/mm],F [N/m]\n0,1,1\n2,2,3\n");
     refuses_with(EHD_DATA, "load: {law: table, file: units.csv, column: F, interpolation: linear}",
                  "units.csv:1: found the columns T, F, F, expected only one column F");
@@ -601,7 +602,7 @@ static void wrong_units_of_tables_are_refused(void **state) {
     refuses_with(EHD_DATA,
                  "time: {unit: ms}, load: {law: table, file: units.csv, column: G, interpolation: "
                  "linear}",
-                 "transient.time.unit: found ms in a scene without physical, expected T");
+                 "transient.time.unit: found the unit ms in a scene without physical, expected T");
 }
 
 int main(void) {

@@ -50,22 +50,22 @@ static void wrong_units_are_named(void **unused) {
     (void)unused;
     enum { LOAD, RADIUS, SPEED, MODULUS, ETA0, ALPHA };
     const struct {
-        int setting;
         double factor;
-        plausibility verdict;
         const char *says;
+        int setting;
+        plausibility verdict;
     } typed[] = {
-        {LOAD, 1e-3, IMPOSSIBLE, "M: found 0.0152, expected at least 0.1"},
-        {LOAD, 1e-3, IMPOSSIBLE, ": is physical.load = 500 in N/mm?"},
-        {LOAD, 1e3, IMPOSSIBLE, "Hertz pressure: found 38.7 GPa, expected at most 20 GPa"},
-        {LOAD, 1e3, IMPOSSIBLE, ": is physical.load = 5e+08 too large by a factor of 1000?"},
-        {SPEED, 1e3, IMPLAUSIBLE, ": is physical.speed = 4000 in mm/s?"},
-        {MODULUS, 1e-6, IMPOSSIBLE, ": is physical.modulus = 226000 in MPa?"},
-        {MODULUS, 1e-6, IMPOSSIBLE, "half width over radius: found 21.7, expected at most 1"},
-        {ETA0, 1e3, IMPLAUSIBLE, ": is lubricant.viscosity.eta0 = 50 in mPas?"},
-        {RADIUS, 1e-3, IMPOSSIBLE, ": is physical.radius = 1.2e-05 too small by a factor of 1000?"},
-        {ALPHA, 4, IMPLAUSIBLE, "pressure coefficient alpha: found 8e-08 1/Pa"},
-        {ALPHA, 0.1, IMPLAUSIBLE, "expected at least 5e-09 1/Pa"},
+        {1e-3, "M: found 0.0152, expected at least 0.1", LOAD, IMPOSSIBLE},
+        {1e-3, ": is physical.load = 500 in N/mm?", LOAD, IMPOSSIBLE},
+        {1e3, "Hertz pressure: found 38.7 GPa, expected at most 20 GPa", LOAD, IMPOSSIBLE},
+        {1e3, ": is physical.load = 5e+08 too large by a factor of 1000?", LOAD, IMPOSSIBLE},
+        {1e3, ": is physical.speed = 4000 in mm/s?", SPEED, IMPLAUSIBLE},
+        {1e-6, ": is physical.modulus = 226000 in MPa?", MODULUS, IMPOSSIBLE},
+        {1e-6, "half width over radius: found 21.7, expected at most 1", MODULUS, IMPOSSIBLE},
+        {1e3, ": is lubricant.viscosity.eta0 = 50 in mPas?", ETA0, IMPLAUSIBLE},
+        {1e-3, ": is physical.radius = 1.2e-05 too small by a factor of 1000?", RADIUS, IMPOSSIBLE},
+        {4, "pressure coefficient alpha: found 8e-08 1/Pa", ALPHA, IMPLAUSIBLE},
+        {0.1, "expected at least 5e-09 1/Pa", ALPHA, IMPLAUSIBLE},
     };
     for (size_t i = 0; i < sizeof typed / sizeof *typed; i++) {
         contact_settings given = gear();
