@@ -7,7 +7,7 @@
 #include "common/program/status.h"
 
 /* Prints the quantities that follow from the scene caller->describe with the caller's overrides,
- * and a line for each quantity that is not plausible. Returns the errors of scene_read and
+ * and a line if a quantity is not plausible. Returns the errors of scene_read and
  * contact_init. Returns EHD_DATA for an impossible quantity. */
 ehd_status scene_describe(const program *caller, ehd_error *error);
 

@@ -6,15 +6,7 @@
 #include "common/output/plot.h"
 #include "common/output/print.h"
 #include "common/output/vtk.h"
-
-#include <string.h>
-
-/* Checks whether the name of a file is that of a scene, or of a list of models. */
-static bool is_scene(const char *path) {
-    const char *dot = strrchr(path, '.');
-
-    return dot && strcmp(dot, ".yml") == 0;
-}
+#include "common/settings/part_list.h"
 
 int output_main(int argc, char **argv, const program_options *options,
                 ehd_status run(const program *self, void *own, ehd_error *error),
@@ -28,8 +20,8 @@ int output_main(int argc, char **argv, const program_options *options,
     if (self.check)
         status = check ? check(self.check, &error) : output_check(self.check, NULL, &error);
     else if (self.describe)
-        status = describe && !is_scene(self.describe) ? describe(self.describe, &error)
-                                                      : scene_describe(&self, &error);
+        status = describe && !part_list_is(self.describe) ? describe(self.describe, &error)
+                                                          : scene_describe(&self, &error);
     else if (self.print)
         status = output_print(&self, &error);
     else if (self.plot)

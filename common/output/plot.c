@@ -64,8 +64,7 @@ static void read_line(char line[LINE], int from) {
     fclose(stream);
 }
 
-/* Runs a command with its output into `picture`. Returns the status that its exit code stands for.
- * */
+/* Runs a command that writes to `picture`. Returns the status that its exit code stands for. */
 static ehd_status run(char *const command[], FILE *picture, const char *path, ehd_error *error) {
     posix_spawn_file_actions_t actions;
     int ends[2], outcome = 0;

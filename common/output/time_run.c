@@ -181,11 +181,10 @@ static double larger(double a, double b) {
     return isnan(a) || isgreater(a, b) ? a : b;
 }
 
-/* Notes the friction of a step, divided by the load. Returns false if the friction exceeds the
- * load. The result is then not trusted. Below a tenth of the reference load the friction is divided
- * by this tenth, because bodies that are nearly apart have more friction than load. */
+/* Notes the friction of a step. Returns false if the friction exceeds the load. The result is then
+ * not trusted. */
 static bool judge_friction(runner *self, double time, double friction, double load) {
-    const double coefficient = fabs(friction) / fmax(load, 0.1);
+    const double coefficient = traction_judged_coefficient(friction, load);
     const bool possible = !isgreater(coefficient, possible_friction);
 
     self->totals.max_friction = fmax(self->totals.max_friction, coefficient);

@@ -11,6 +11,10 @@
 const double usual_friction = 0.2, possible_friction = 1;
 const char impossible_friction[] = "a friction above the load (check lubricant.shear.law)";
 
+double traction_judged_coefficient(double friction, double load) {
+    return fabs(friction) / fmax(load, 0.1);
+}
+
 bool contact_has_traction(const ehd_contact *contact) {
     return !isnan(contact->slide_roll) && !isnan(contact->half_width);
 }

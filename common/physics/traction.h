@@ -32,6 +32,11 @@ typedef struct contact_traction {
  * plausible.bats, "friction above 0.2 is warned of"). */
 extern const double usual_friction, possible_friction;
 
+/* Returns the friction coefficient to compare with these limits. Friction and load are divided by
+ * the reference load. A load below a tenth of the reference load counts as a tenth, because bodies
+ * that are nearly apart have more friction than load. */
+double traction_judged_coefficient(double friction, double load);
+
 /* Reason of a result whose friction exceeds possible_friction. */
 extern const char impossible_friction[];
 

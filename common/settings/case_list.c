@@ -67,11 +67,11 @@ ehd_status case_list_open(case_list **list, const char *scene_path, const char *
 static char *text_of(const case_list *self, size_t column) {
     const char *field = self->table.fields[column], *unit = self->table.units[column];
     const setting *row = self->rows[column];
-    scene any = self->base.values;
     char number[NUMBER_TEXT], *text;
 
     if (row && row->type == SETTING_REAL) csv_take_decimal_comma(&self->table, column);
     if (!unit || !row) return strdup(field);
+    scene any = self->base.values;
     if (asprintf(&text, "%s %s", field, unit) < 0) return NULL;
     if (row->type != SETTING_REAL || setting_assign(&any, row, text, (place){0}, NULL)) return text;
     // if the table gives the kind of contact too, the scene has to check the unit of the load

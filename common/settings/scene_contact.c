@@ -86,15 +86,20 @@ static contact_settings settings_of(const scene *given) {
     };
 }
 
-ehd_status scene_contact_derive(ehd_contact *contact, const scene *given, ehd_error *error) {
-    const contact_settings settings = settings_of(given);
-
+static ehd_status derive(ehd_contact *contact, const contact_settings *settings, const scene *given,
+                         ehd_error *error) {
     *contact = (ehd_contact){0};
-    if (settings.approach_given && strcmp(given->regime, "stationary") == 0)
+    if (settings->approach_given && strcmp(given->regime, "stationary") == 0)
         return ehd_fail(error, EHD_DATA,
                         "closure: found approach in a stationary scene, expected load; a transient "
                         "scene finds the load of an approach");
-    return contact_init(contact, &settings, error);
+    return contact_init(contact, settings, error);
+}
+
+ehd_status scene_contact_derive(ehd_contact *contact, const scene *given, ehd_error *error) {
+    const contact_settings settings = settings_of(given);
+
+    return derive(contact, &settings, given, error);
 }
 
 plausibility scene_judge(char text[PLAUSIBLE_TEXT], const ehd_contact *contact,
@@ -104,17 +109,13 @@ plausibility scene_judge(char text[PLAUSIBLE_TEXT], const ehd_contact *contact,
     return plausible_judge(text, contact, &settings);
 }
 
-/* Refuses a contact with an impossible quantity, such as a half width above the radius. */
-static ehd_status check_possible(const ehd_contact *contact, const scene *given, ehd_error *error) {
-    char text[PLAUSIBLE_TEXT];
-
-    if (scene_judge(text, contact, given) != IMPOSSIBLE) return EHD_OK;
-    return ehd_fail(error, EHD_DATA, "%s", text);
-}
-
 ehd_status scene_contact_begin(ehd_contact *contact, const scene *given, ehd_error *error) {
-    ehd_status status = scene_contact_derive(contact, given, error);
-    if (!status) status = check_possible(contact, given, error);
+    const contact_settings settings = settings_of(given);
+    char text[PLAUSIBLE_TEXT];
+    ehd_status status = derive(contact, &settings, given, error);
+
+    if (!status && plausible_judge(text, contact, &settings) == IMPOSSIBLE)
+        status = ehd_fail(error, EHD_DATA, "%s", text);
     if (status) return status;
     contact->slide_roll = scene_slide_roll(given);
     contact->grid.half = given->grid.half != 0 && contact->kind->dimensions > 1;

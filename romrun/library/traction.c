@@ -145,7 +145,8 @@ static ehd_status slide(ehdrom_contact *self, const slid_state *of, double slidi
         .largest_shear_stress = found.largest_stress * units->pressure,
         .indicated_deviation_friction = indicated};
     status = library_give(traction, &own, sizeof own, "traction", &self->error);
-    if (status || !isgreater(fabs(found.friction), possible_friction)) return status;
+    const double judged = traction_judged_coefficient(found.friction, frame.load);
+    if (status || !isgreater(judged, possible_friction)) return status;
     return ehd_fail(&self->error, EHD_UNTRUSTED, "traction: found %s", impossible_friction);
 }
 
